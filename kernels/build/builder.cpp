@@ -1,0 +1,207 @@
+#include "build/builder.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/task_group.h>
+
+#include <algorithm>
+
+#include "build/collapse.h"
+#include "build/leaf_packing.h"
+#include "build/mbsah.h"
+#include "build/object_split.h"
+#include "build/temporal_split.h"
+
+namespace stbvh {
+
+namespace {
+
+constexpr std::size_t kParallelSet = 1024;     ///< sets from this size on are built as tasks of their own
+constexpr std::size_t kSplitDepthLimit = 56;   ///< below, sets are only halved: bounds the depth of the tree
+constexpr std::size_t kChunk = 8192;
+
+/// Runs both on the task scheduler where `parallel`, else one after the other. Exceptions of either get out.
+template <typename F, typename G>
+void invoke_both(bool parallel, const F& f, const G& g) {
+  if (!parallel) {
+    f();
+    g();
+    return;
+  }
+  tbb::task_group group;
+  group.run(g);
+  try {
+    f();
+  } catch (...) {
+    group.cancel();
+    group.wait();
+    throw;
+  }
+  group.wait();
+}
+
+/// Linear bounds over `range` of two subtrees that may be alive in parts of it only.
+LinearBounds merged_bounds(const ClosedTimeRange& range, const BinaryNode& left, const BinaryNode& right) {
+  if (left.range == range && right.range == range) {
+    LinearBounds both = left.bounds;
+    both.extend(right.bounds);
+    return both;
+  }
+  const double length = static_cast<double>(range.last) - range.begin;
+  const auto parameter = [&](float time) {
+    return length > 0 ? static_cast<float>((static_cast<double>(time) - range.begin) / length) : 0.0f;
+  };
+  std::array<BoundsSample, 6> samples;
+  std::size_t count = 0;
+  for (const BinaryNode* node : {&left, &right}) {
+    samples[count++] = {parameter(node->range.begin), node->bounds.lower_begin, node->bounds.upper_begin};
+    samples[count++] = {parameter(node->range.last), node->bounds.lower_end, node->bounds.upper_end};
+  }
+  const auto earlier = [](const BoundsSample& a, const BoundsSample& b) { return a.parameter < b.parameter; };
+  std::sort(samples.begin(), samples.begin() + 4, earlier);
+  // Nothing is alive before the first and after the last: those boxes may stand at the ends as well.
+  samples[count] = samples[count - 1];
+  samples[count++].parameter = 1.0f;
+  samples[count] = samples[0];
+  samples[count++].parameter = 0.0f;
+  std::rotate(samples.begin(), samples.end() - 1, samples.end());
+  // Halves meet within a float of time: no line should be laid through two boxes so close.
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    if (samples[i + 1].parameter - samples[i].parameter > 1e-3f) continue;
+    samples[i].lower = samples[i + 1].lower = min(samples[i].lower, samples[i + 1].lower);
+    samples[i].upper = samples[i + 1].upper = max(samples[i].upper, samples[i + 1].upper);
+  }
+  return tightest_at_centre(samples);
+}
+
+}  // namespace
+
+BinaryTree::BinaryTree(BuildContext& context)
+    : context_(context), arenas_([&context] { return Arena(context.memory); }) {}
+
+void BinaryTree::build() {
+  std::size_t triangles = 0;
+  for (const BuildMesh& mesh : context_.meshes) triangles += mesh.view().triangle_count;
+  if (triangles == 0) return;
+  TemporaryArray<Reference> storage(context_.memory, triangles);
+  ReferenceSet all = make_references(storage);
+  valid_triangles_ = all.size();
+  if (all.size() == 0) return;
+  total_work_ = static_cast<double>(all.size()) * std::max(1e-30, static_cast<double>(range_.last) - range_.begin);
+  root_ = build_node(all, 0);
+}
+
+ReferenceSet BinaryTree::make_references(TemporaryArray<Reference>& storage) {
+  // The times of any mesh, within [0, 1].
+  float begin = 1.0f, last = 0.0f;
+  for (const BuildMesh& mesh : context_.meshes) {
+    begin = std::min(begin, std::max(mesh.grid().begin, 0.0f));
+    last = std::max(last, std::min(mesh.grid().end, 1.0f));
+  }
+  ReferenceSet set;
+  if (begin > last) return set;
+  range_ = {begin, last};
+
+  std::size_t out = 0;
+  for (std::size_t m = 0; m < context_.meshes.size(); ++m) {
+    const BuildMesh& mesh = context_.meshes[m];
+    const std::size_t count = mesh.view().triangle_count;
+    const MotionSamples samples(mesh, range_);
+    if (count == 0 || samples.count == 0) continue;
+    context_.progress.check();
+    const std::size_t chunks = (count + kChunk - 1) / kChunk;
+    std::vector<std::size_t> counts(chunks);
+    tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+      std::size_t slot = out + chunk * kChunk;
+      const std::size_t end = std::min((chunk + 1) * kChunk, count);
+      for (std::size_t prim = chunk * kChunk; prim < end; ++prim) {
+        const BuildMesh::Triangle triangle = mesh.triangle(prim);
+        if (!mesh.is_valid(triangle)) continue;
+        const LinearBounds bounds = motion_bounds(mesh, samples, triangle.vertex, shifted_chord);
+        storage.data()[slot++] =
+            make_reference(bounds, static_cast<std::uint32_t>(m), static_cast<std::uint32_t>(prim));
+      }
+      counts[chunk] = slot - (out + chunk * kChunk);
+    });
+    const std::size_t first = out;
+    for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
+      Reference* source = storage.data() + first + chunk * kChunk;
+      std::copy(source, source + counts[chunk], storage.data() + out);
+      out += counts[chunk];
+    }
+    primitive_segments_ += (out - first) * std::max<std::size_t>(mesh.segments(), 1);
+  }
+  set.references = storage.span().first(out);
+  set.range = range_;
+  set.update_bounds();
+  return set;
+}
+
+BinaryNode* BinaryTree::build_node(ReferenceSet set, std::size_t depth) {
+  context_.progress.check();
+  const bool may_choose = depth < kSplitDepthLimit;
+  const float area = set.bounds.centre_area();
+  const std::optional<BinaryLeaf> leaf = pack_leaf(context_, set);
+
+  if (may_choose) {
+    const std::optional<TemporalSplit> temporal = find_temporal_split(context_, set);
+    if (temporal && temporal->wanted_share >= kTemporalShare) return split_in_time(set, temporal->halves, depth);
+  }
+  ObjectSplit object;
+  if (may_choose && set.size() > 1) object = find_object_split(set);
+  if (leaf && area * (1.0f - kSplitCost) <= object.cost) return make_leaf(set, *leaf);
+  return split_in_space(set, depth, object);
+}
+
+BinaryNode* BinaryTree::split_in_time(const ReferenceSet& set, const ClosedTimeRange (&halves)[2],
+                                      std::size_t depth) {
+  temporal_splits_.fetch_add(1, std::memory_order_relaxed);
+  BinaryNode* nodes[2] = {nullptr, nullptr};
+  const auto build_half = [&](int half) {
+    TemporaryArray<Reference> storage(context_.memory, set.size());
+    const ReferenceSet remade = remake_references(context_, set, halves[half], storage.span());
+    if (remade.size() > 0) nodes[half] = build_node(remade, depth + 1);
+  };
+  // One half after the other where the set is small: its copy is given back before the other is made.
+  invoke_both(set.size() >= kParallelSet, [&] { build_half(0); }, [&] { build_half(1); });
+  if (nodes[0] == nullptr || nodes[1] == nullptr) return nodes[0] != nullptr ? nodes[0] : nodes[1];
+  return make_inner(set.range, nodes[0], nodes[1]);
+}
+
+BinaryNode* BinaryTree::split_in_space(ReferenceSet& set, std::size_t depth, const ObjectSplit& split) {
+  std::pair<ReferenceSet, ReferenceSet> sides = apply_object_split(set, split);
+  BinaryNode* left = nullptr;
+  BinaryNode* right = nullptr;
+  invoke_both(
+      set.size() >= kParallelSet, [&] { left = build_node(sides.first, depth + 1); },
+      [&] { right = build_node(sides.second, depth + 1); });
+  return make_inner(set.range, left, right);
+}
+
+BinaryNode* BinaryTree::make_leaf(const ReferenceSet& set, const BinaryLeaf& packed) {
+  Arena& arena = arenas_.local();
+  BinaryNode* node = arena.make<BinaryNode>();
+  node->leaf = arena.make<BinaryLeaf>();
+  *node->leaf = packed;
+  node->children[0] = node->children[1] = nullptr;
+  node->range = set.range;
+  node->subtree_leaves = 1;
+  node->bounds = leaf_bounds(context_, packed, set.range);
+  update_collapse_cost(*node);
+  const double length = static_cast<double>(set.range.last) - set.range.begin;
+  context_.progress.add(static_cast<double>(set.size()) * length / total_work_);
+  return node;
+}
+
+BinaryNode* BinaryTree::make_inner(const ClosedTimeRange& range, BinaryNode* left, BinaryNode* right) {
+  BinaryNode* node = arenas_.local().make<BinaryNode>();
+  node->leaf = nullptr;
+  node->children[0] = left;
+  node->children[1] = right;
+  node->range = range;
+  node->subtree_leaves = left->subtree_leaves + right->subtree_leaves;
+  node->bounds = merged_bounds(range, *left, *right);
+  update_collapse_cost(*node);
+  return node;
+}
+
+}  // namespace stbvh

@@ -1,0 +1,46 @@
+/// The top-down builder: from meshes to a binary tree of object and temporal splits.
+#pragma once
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <atomic>
+
+#include "build/binary_tree.h"
+#include "build/build_context.h"
+#include "build/reference_set.h"
+
+namespace stbvh {
+
+/// The tree and the memory that its nodes live in.
+class BinaryTree {
+ public:
+  explicit BinaryTree(BuildContext& context);
+
+  /// Splits until every set fits a leaf. Collapse costs are filled on the way up.
+  void build();
+
+  BinaryNode* root() const { return root_; }  ///< null: there is no valid triangle
+  ClosedTimeRange range() const { return range_; }
+  std::size_t valid_triangles() const { return valid_triangles_; }
+  std::size_t primitive_segments() const { return primitive_segments_; }
+  std::size_t temporal_splits() const { return temporal_splits_.load(); }
+
+ private:
+  ReferenceSet make_references(TemporaryArray<Reference>& storage);
+  BinaryNode* build_node(ReferenceSet set, std::size_t depth);
+  BinaryNode* make_leaf(const ReferenceSet& set, const BinaryLeaf& packed);
+  BinaryNode* make_inner(const ClosedTimeRange& range, BinaryNode* left, BinaryNode* right);
+  BinaryNode* split_in_time(const ReferenceSet& set, const ClosedTimeRange (&halves)[2], std::size_t depth);
+  BinaryNode* split_in_space(ReferenceSet& set, std::size_t depth, const struct ObjectSplit& split);
+
+  BuildContext& context_;
+  tbb::enumerable_thread_specific<Arena> arenas_;
+  BinaryNode* root_ = nullptr;
+  ClosedTimeRange range_{0.0f, 1.0f};
+  double total_work_ = 0;
+  std::size_t valid_triangles_ = 0;
+  std::size_t primitive_segments_ = 0;
+  std::atomic<std::size_t> temporal_splits_{0};
+};
+
+}  // namespace stbvh

@@ -1,0 +1,76 @@
+#include "build/linear_bounds.h"
+
+#include <algorithm>
+#include <array>
+
+#include "stbvh/mesh_view.h"
+
+namespace stbvh {
+
+LinearBounds shifted_chord(std::span<const BoundsSample> samples) {
+  const BoundsSample& first = samples.front();
+  const BoundsSample& last = samples.back();
+  F32x4 below(0.0f);
+  F32x4 above(0.0f);
+  for (const BoundsSample& sample : samples.subspan(1, samples.size() - 1)) {
+    const F32x4 s(sample.parameter);
+    const F32x4 r(1.0f - sample.parameter);
+    below = max(below, r * first.lower + s * last.lower - sample.lower);
+    above = max(above, sample.upper - (r * first.upper + s * last.upper));
+  }
+  return {first.lower - below, first.upper + above, last.lower - below, last.upper + above};
+}
+
+namespace {
+
+struct Point {
+  double s, v;
+};
+
+/// The lower hull edge over `centre`, as values at 0 and 1 (Andrew's monotone chain).
+Point lower_hull_line(std::span<const Point> points, double centre) {
+  std::array<Point, kMaxSteps + 2> hull;
+  std::size_t n = 0;
+  for (const Point& p : points) {
+    if (n > 0 && p.s <= hull[n - 1].s) {  // two samples at one time: the lower one counts
+      hull[n - 1].v = std::min(hull[n - 1].v, p.v);
+      continue;
+    }
+    while (n >= 2) {
+      const Point& a = hull[n - 2];
+      const Point& b = hull[n - 1];
+      if ((b.s - a.s) * (p.v - a.v) > (b.v - a.v) * (p.s - a.s)) break;
+      --n;
+    }
+    hull[n++] = p;
+  }
+  std::size_t i = 1;
+  while (i + 1 < n && hull[i].s < centre) ++i;
+  const Point& a = hull[i - 1];
+  const Point& b = hull[i];
+  const double slope = (b.v - a.v) / (b.s - a.s);
+  return {a.v - a.s * slope, a.v + (1.0 - a.s) * slope};
+}
+
+}  // namespace
+
+LinearBounds tightest_at_centre(std::span<const BoundsSample> samples) {
+  if (samples.size() <= 2) return shifted_chord(samples);
+  std::array<Point, kMaxSteps + 2> points;
+  alignas(16) float lines[4][4] = {};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int upper = 0; upper < 2; ++upper) {
+      const double sign = upper ? -1.0 : 1.0;
+      for (std::size_t i = 0; i < samples.size(); ++i) {
+        const F32x4& corner = upper ? samples[i].upper : samples[i].lower;
+        points[i] = {samples[i].parameter, sign * static_cast<double>(corner[axis])};
+      }
+      const Point line = lower_hull_line({points.data(), samples.size()}, 0.5);
+      lines[upper][axis] = static_cast<float>(sign * line.s);
+      lines[2 + upper][axis] = static_cast<float>(sign * line.v);
+    }
+  }
+  return {_mm_load_ps(lines[0]), _mm_load_ps(lines[1]), _mm_load_ps(lines[2]), _mm_load_ps(lines[3])};
+}
+
+}  // namespace stbvh

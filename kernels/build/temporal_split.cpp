@@ -1,0 +1,168 @@
+#include "build/temporal_split.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "build/mbsah.h"
+#include "layout/layout.h"
+
+namespace stbvh {
+
+namespace {
+
+constexpr std::size_t kSample = 64;
+constexpr std::size_t kChunk = 4096;
+
+/// Consecutive references mostly are of one mesh: its samples of the range are made once.
+class ReferenceMaker {
+ public:
+  ReferenceMaker(const BuildContext& context, const ClosedTimeRange& range) : context_(context), range_(range) {}
+
+  /// False where the reference's mesh is not alive in the range.
+  bool make(const Reference& reference, LinearBounds& bounds) {
+    const BuildMesh& mesh = context_.meshes[reference.mesh];
+    if (mesh.is_static()) {
+      bounds = reference.bounds();
+      return true;
+    }
+    if (!samples_ || mesh_ != reference.mesh) {
+      samples_.emplace(mesh, range_);
+      mesh_ = reference.mesh;
+    }
+    if (samples_->count == 0) return false;
+    const BuildMesh::Triangle triangle = mesh.triangle(reference.prim);
+    bounds = motion_bounds(mesh, *samples_, triangle.vertex, shifted_chord);
+    return true;
+  }
+
+ private:
+  const BuildContext& context_;
+  ClosedTimeRange range_;
+  std::optional<MotionSamples> samples_;
+  std::uint32_t mesh_ = 0;
+};
+
+/// The mesh with the most segments in the range, among those of the sample.
+const BuildMesh* finest_mesh(const BuildContext& context, const ReferenceSet& set, std::size_t stride) {
+  const BuildMesh* finest = nullptr;
+  for (std::size_t i = 0; i < set.size(); i += stride) {
+    const BuildMesh& mesh = context.meshes[set.references[i].mesh];
+    if (mesh.is_static()) continue;
+    // Ties go to the lower index, so that the order of references does not matter.
+    if (finest == nullptr || mesh.grid().segments / mesh.grid().length > finest->grid().segments / finest->grid().length)
+      finest = &mesh;
+  }
+  return finest;
+}
+
+std::optional<float> central_boundary(const BuildMesh& mesh, const ClosedTimeRange& range) {
+  const ClosedTimeRange alive = mesh.alive(range);
+  if (!(alive.begin <= alive.last)) return std::nullopt;
+  const BuildMesh::SegmentRange segments = mesh.segments_in(range);
+  const float centre = 0.5f * (range.begin + range.last);
+  std::optional<float> best;
+  for (std::uint32_t k = segments.first + 1; k <= segments.last; ++k) {
+    const float time = first_time_of_segment(mesh.grid(), k);
+    if (!best || std::fabs(time - centre) < std::fabs(*best - centre)) best = time;
+  }
+  return best;
+}
+
+/// Linear bounds of something over a range and over its two halves.
+struct Shrinking {
+  LinearBounds whole = LinearBounds::empty();
+  LinearBounds halves[2] = {LinearBounds::empty(), LinearBounds::empty()};
+
+  void extend(const Shrinking& other) {
+    whole.extend(other.whole);
+    for (int half = 0; half < 2; ++half) halves[half].extend(other.halves[half]);
+  }
+
+  /// From the bounds of one triangle to those of a leaf around it: wider by a multiple of the triangle's own size,
+  /// whatever its motion adds.
+  void grow_to_leaf() {
+    const F32x4 size = min(whole.upper_begin - whole.lower_begin, whole.upper_end - whole.lower_end);
+    const F32x4 margin = F32x4(0.5f * (kLeafExtent - 1.0f)) * size;
+    for (LinearBounds* b : {&whole, &halves[0], &halves[1]}) {
+      b->lower_begin = b->lower_begin - margin;
+      b->lower_end = b->lower_end - margin;
+      b->upper_begin = b->upper_begin + margin;
+      b->upper_end = b->upper_end + margin;
+    }
+  }
+
+  bool is_worth_it(const float (&time_shares)[2]) const {
+    const float split = halves[0].centre_area() * time_shares[0] + halves[1].centre_area() * time_shares[1];
+    return split < kTemporalWorth * whole.centre_area();
+  }
+};
+
+}  // namespace
+
+std::optional<TemporalSplit> find_temporal_split(const BuildContext& context, const ReferenceSet& set) {
+  const std::size_t stride = (set.size() + kSample - 1) / kSample;
+  const BuildMesh* mesh = finest_mesh(context, set, stride);
+  if (mesh == nullptr) return std::nullopt;
+  const std::optional<float> boundary = central_boundary(*mesh, set.range);
+  if (!boundary || *boundary <= set.range.begin) return std::nullopt;
+
+  TemporalSplit split;
+  split.halves[0] = {set.range.begin, std::nextafter(*boundary, -std::numeric_limits<float>::infinity())};
+  split.halves[1] = {*boundary, set.range.last};
+  ReferenceMaker makers[2] = {{context, split.halves[0]}, {context, split.halves[1]}};
+  const float shares[2] = {time_share(split.halves[0], set.range), time_share(split.halves[1], set.range)};
+  const bool one_leaf = set.size() <= kWidth;
+  Shrinking all;
+  std::size_t wanted = 0, count = 0;
+  for (std::size_t i = 0; i < set.size(); i += stride, ++count) {
+    Shrinking one;
+    one.whole = set.references[i].bounds();
+    for (int half = 0; half < 2; ++half) {
+      if (!makers[half].make(set.references[i], one.halves[half])) one.halves[half] = LinearBounds::empty();
+    }
+    if (!one_leaf) one.grow_to_leaf();
+    wanted += one.is_worth_it(shares);
+    if (one_leaf) all.extend(one);
+  }
+  split.wanted_share = one_leaf ? static_cast<float>(all.is_worth_it(shares))
+                                : static_cast<float>(wanted) / static_cast<float>(count);
+  return split;
+}
+
+ReferenceSet remake_references(const BuildContext& context, const ReferenceSet& set, const ClosedTimeRange& range,
+                               std::span<Reference> storage) {
+  const std::size_t chunks = (set.size() + kChunk - 1) / kChunk;
+  std::vector<std::size_t> counts(chunks);
+  const auto remake_chunk = [&](std::size_t chunk) {
+    ReferenceMaker maker(context, range);
+    const std::size_t begin = chunk * kChunk;
+    std::size_t out = begin;
+    for (std::size_t i = begin; i < std::min(begin + kChunk, set.size()); ++i) {
+      LinearBounds bounds;
+      const Reference& reference = set.references[i];
+      if (maker.make(reference, bounds)) storage[out++] = make_reference(bounds, reference.mesh, reference.prim);
+    }
+    counts[chunk] = out - begin;
+  };
+  if (chunks == 1) {
+    remake_chunk(0);
+  } else {
+    tbb::parallel_for(std::size_t{0}, chunks, remake_chunk);
+  }
+  std::size_t total = 0;
+  for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
+    const auto source = storage.begin() + static_cast<std::ptrdiff_t>(chunk * kChunk);
+    std::copy_n(source, counts[chunk], storage.begin() + static_cast<std::ptrdiff_t>(total));
+    total += counts[chunk];
+  }
+  ReferenceSet half;
+  half.references = storage.first(total);
+  half.range = range;
+  half.update_bounds();
+  return half;
+}
+
+}  // namespace stbvh

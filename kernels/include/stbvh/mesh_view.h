@@ -1,0 +1,40 @@
+/// What the kernels know of a mesh: pointers into the caller's buffers.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "stbvh/vec.h"
+
+namespace stbvh {
+
+/// Most steps a mesh may have (as in Embree: 129, that is 128 segments).
+inline constexpr std::size_t kMaxSteps = 129;
+
+/// Positions are finite and smaller than this in magnitude (as in Embree), or their triangles are left out.
+inline constexpr float kMaxCoordinate = 1.844e18f;
+
+/// Vertices of one step: `count` positions of three floats, `stride` bytes apart.
+struct VertexBufferView {
+  const void* data = nullptr;
+  std::size_t count = 0;
+  std::size_t stride = sizeof(Vec3f);
+};
+
+/// A triangle mesh with one vertex buffer for each step, equidistant over `time_range` in global ray time.
+///
+/// With one step the mesh is static, at p_0 for all times. With more it moves linearly from step to step
+/// and is not hit at times outside `time_range` (ALGORITHM: p(t) = (1-f) p_k + f p_{k+1}).
+/// The buffers must live as long as a structure built from them: indexed leaves read them.
+struct MeshView {
+  const void* indices = nullptr;  ///< 3 x uint32 for each triangle, `index_stride` bytes apart
+  std::size_t triangle_count = 0;
+  std::size_t index_stride = 3 * sizeof(std::uint32_t);
+  std::span<const VertexBufferView> steps;  ///< 1 to kMaxSteps buffers
+  TimeRange time_range;
+  std::uint32_t mask = 0xFFFFFFFFu;  ///< hit only by rays with (ray.mask & mask) != 0
+  std::uint32_t geom_id = 0;         ///< reported in hits
+};
+
+}  // namespace stbvh

@@ -1,0 +1,131 @@
+/// Building an STBVH over meshes, and asking it.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
+
+#include "stbvh/isa.h"
+#include "stbvh/mesh_view.h"
+
+namespace stbvh {
+
+/// Where the final nodes and leaves live, and who is told of the build's progress and memory.
+struct BuildCallbacks {
+  /// Returns `bytes` of memory aligned to 64, or throws; null: operator new.
+  std::function<void*(std::size_t bytes)> allocate;
+  /// Gives back what `allocate` returned; called by the structure's destructor.
+  std::function<void(void* data, std::size_t bytes)> release;
+  /// Told how many bytes of temporary memory the build takes (+) or gives back (-); may be called from any
+  /// worker thread. Returns false to cancel the build.
+  std::function<bool(std::ptrdiff_t bytes)> temporary_memory;
+  /// Told the fraction done, 0 to 1, never decreasing, one call at a time. Returns false to cancel the build.
+  std::function<bool(double fraction)> progress;
+};
+
+struct BuildSettings {
+  /// A leaf over more steps than this keeps vertex indices instead of the vertices (0: every leaf is indexed).
+  std::size_t max_inline_steps = kMaxSteps;
+};
+
+/// Thrown by build() when a callback returned false; nothing is left behind.
+struct BuildCancelled : std::runtime_error {
+  BuildCancelled() : std::runtime_error("build cancelled") {}
+};
+
+/// Thrown by build() for a mesh description that cannot be read (no steps, too many, buffers missing, a time
+/// range that is empty or not finite).
+struct InvalidMesh : std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
+
+struct BuildStatistics {
+  std::size_t triangles = 0;           ///< valid triangles
+  std::size_t invalid_triangles = 0;   ///< left out: index out of range, or a vertex not finite in some step
+  std::size_t primitive_segments = 0;  ///< sum over valid triangles of max(segments, 1)
+  std::size_t structure_bytes = 0;     ///< nodes, leaves and mesh table
+  std::size_t peak_bytes = 0;          ///< structure and temporary memory of the build at their largest
+  std::array<std::size_t, 3> nodes{};  ///< static, linear, spatial-temporal
+  std::array<std::size_t, 3> node_children{};
+  std::size_t inline_leaves = 0;
+  std::size_t indexed_leaves = 0;
+  std::size_t leaf_triangles = 0;    ///< triangles in leaves, counted once for each leaf that holds them
+  std::size_t leaf_bytes = 0;
+  std::size_t temporal_splits = 0;
+  std::size_t depth = 0;             ///< nodes from the root to the deepest leaf
+};
+
+/// A ray in the conventions of Embree: hits with tnear < t <= tfar, direction not normalised.
+struct Ray {
+  Vec3f origin;
+  float tnear;
+  Vec3f direction;
+  float tfar;
+  float time;
+  std::uint32_t mask;
+};
+
+inline constexpr std::uint32_t kInvalidId = 0xFFFFFFFFu;
+
+/// Hit data as Embree's triangles give it: point = (1-u-v) p_0 + u p_1 + v p_2 of the triangle interpolated at the
+/// ray's time, normal = cross(p_1 - p_0, p_2 - p_0), not normalised.
+struct Hit {
+  float t;
+  float u, v;
+  Vec3f normal;
+  std::uint32_t prim_id;
+  std::uint32_t geom_id;  ///< of the mesh view; kInvalidId: no hit
+  std::uint32_t mesh;     ///< index of the mesh in the span given to build()
+};
+
+/// Asked for each candidate hit (nearest found so far, not yet final); false rejects it and traversal goes on.
+struct HitFilter {
+  bool (*accept)(void* user, const Ray& ray, const Hit& candidate) = nullptr;
+  void* user = nullptr;
+};
+
+/// What a traversal met, for reports; counted in a template of its own.
+struct TraversalCounters {
+  std::uint64_t nodes = 0;
+  std::uint64_t leaves = 0;
+  std::uint64_t triangle_tests = 0;
+};
+
+/// An immutable STBVH. Queries may run on any number of threads at once.
+class Structure {
+ public:
+  /// Builds over `meshes` (Woop et al. 2017, section 3). The tree is the same for any number of threads.
+  /// Throws InvalidMesh, BuildCancelled, std::bad_alloc, and what the callbacks throw.
+  static std::unique_ptr<Structure> build(std::span<const MeshView> meshes, const BuildSettings& settings = {},
+                                          const BuildCallbacks& callbacks = {});
+  virtual ~Structure() = default;
+
+  /// Closest hit in (tnear, tfar]; false, and `hit` untouched, if there is none. A ray that is not finite (or of
+  /// zero direction, or at a time outside [0, 1]) hits nothing.
+  virtual bool intersect(const Ray& ray, Hit& hit, const HitFilter* filter = nullptr) const = 0;
+  /// Whether anything is hit in (tnear, tfar].
+  virtual bool occluded(const Ray& ray, const HitFilter* filter = nullptr) const = 0;
+
+  /// As above on one instruction set (one of available_isas()), for tests.
+  virtual bool intersect_on(Isa isa, const Ray& ray, Hit& hit, const HitFilter* filter = nullptr) const = 0;
+  virtual bool occluded_on(Isa isa, const Ray& ray, const HitFilter* filter = nullptr) const = 0;
+
+  /// As above, adding to `counters`.
+  virtual bool intersect_counted(const Ray& ray, Hit& hit, TraversalCounters& counters) const = 0;
+  virtual bool occluded_counted(const Ray& ray, TraversalCounters& counters) const = 0;
+
+  /// Bounds that hold at `time` in [0, 1] for everything in the structure.
+  virtual Box3f bounds_at(float time) const = 0;
+
+  virtual const BuildStatistics& statistics() const = 0;
+
+  /// Hash of all nodes and leaves: equal for equal trees.
+  virtual std::uint64_t tree_hash() const = 0;
+};
+
+}  // namespace stbvh

@@ -1,0 +1,45 @@
+/// From the binary tree to the bytes of a structure: collapsed, kinds chosen per node, bounds anchored and rounded
+/// outwards.
+#pragma once
+
+#include "build/build_context.h"
+#include "build/builder.h"
+#include "layout/layout.h"
+
+namespace stbvh {
+
+class Encoder {
+ public:
+  Encoder(const BuildContext& context, const BinaryTree& tree);
+
+  /// Bytes that encode() writes; 0 for an empty tree.
+  std::size_t bytes() const { return units_ * kUnitBytes; }
+
+  /// Writes nodes and leaves to `data` (bytes() of it, aligned to kUnitBytes), each node followed by its leaves, then
+  /// by the subtrees of its inner children. Returns the root's link.
+  Link encode(std::byte* data) const;
+
+  /// Counts of nodes and leaves, depth: what measuring the tree has found.
+  void add_statistics(BuildStatistics& statistics) const;
+
+ private:
+  struct Counts {
+    std::array<std::size_t, 3> nodes{};
+    std::array<std::size_t, 3> node_children{};
+    std::size_t inline_leaves = 0, indexed_leaves = 0, leaf_triangles = 0, leaf_units = 0, depth = 0;
+    void add(const Counts& other);
+  };
+  Counts measure(BinaryNode& node) const;
+  Link encode_node(BinaryNode& node, std::byte* data, std::size_t unit) const;
+  void encode_leaf(const BinaryLeaf& leaf, std::byte* out) const;
+  std::size_t leaf_units(const BinaryLeaf& leaf) const;
+  std::size_t leaf_steps(const BinaryLeaf& leaf) const;
+  bool is_indexed(const BinaryLeaf& leaf) const;
+
+  const BuildContext& context_;
+  BinaryNode* root_;
+  Counts counts_;
+  std::size_t units_ = 0;
+};
+
+}  // namespace stbvh

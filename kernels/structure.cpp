@@ -1,0 +1,198 @@
+#include "stbvh/structure.h"
+
+#include <sys/mman.h>
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+#include <vector>
+
+#include "build/builder.h"
+#include "build/collapse.h"
+#include "layout/encoder.h"
+#include "traverse/kernel_table.h"
+
+namespace stbvh {
+
+namespace {
+
+/// The block that nodes and leaves live in, from the caller's allocator or our own.
+class Block {
+ public:
+  Block(const BuildCallbacks& callbacks, std::size_t bytes) : release_(callbacks.release), bytes_(bytes) {
+    if (bytes == 0) return;
+    if (callbacks.allocate) {
+      data_ = static_cast<std::byte*>(callbacks.allocate(bytes));
+    } else {
+      data_ = static_cast<std::byte*>(::operator new(bytes, kAlignment));
+      release_ = [](void* data, std::size_t) { ::operator delete(data, kAlignment); };
+    }
+    advise_huge_pages();
+  }
+  ~Block() {
+    if (data_ != nullptr && release_) release_(data_, bytes_);
+  }
+  Block(const Block&) = delete;
+  Block& operator=(const Block&) = delete;
+
+  std::byte* data() const { return data_; }
+  std::size_t bytes() const { return bytes_; }
+
+ private:
+  /// Traversal jumps through the whole block: fewer, larger pages spare it most misses of the TLB. Advice only.
+  void advise_huge_pages() {
+    constexpr std::uintptr_t page = 2u << 20;
+    const std::uintptr_t begin = (reinterpret_cast<std::uintptr_t>(data_) + page - 1) / page * page;
+    const std::uintptr_t end = (reinterpret_cast<std::uintptr_t>(data_) + bytes_) / page * page;
+    if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+  }
+
+  static constexpr std::align_val_t kAlignment{64};
+  std::function<void(void*, std::size_t)> release_;
+  std::size_t bytes_;
+  std::byte* data_ = nullptr;
+};
+
+/// Linear bounds of one child of the root.
+struct RootBounds {
+  LinearBounds bounds;
+  ClosedTimeRange range;
+};
+
+std::vector<RootBounds> root_bounds(BinaryNode* root) {
+  if (root == nullptr) return {};
+  if (root->is_leaf()) return {{root->bounds, root->range}};
+  std::array<BinaryNode*, kWidth> children;
+  const std::size_t count = wide_children(*root, children);
+  std::vector<RootBounds> bounds;
+  for (std::size_t i = 0; i < count; ++i) bounds.push_back({children[i]->bounds, children[i]->range});
+  return bounds;
+}
+
+Box3f box(F32x4 lower, F32x4 upper) { return {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}}; }
+
+class StructureImpl final : public Structure {
+ public:
+  StructureImpl(BuildContext& context, const BuildCallbacks& callbacks, const BinaryTree& tree,
+                const Encoder& encoder)
+      : block_(callbacks, encoder.bytes()), root_bounds_(root_bounds(tree.root())) {
+    make_mesh_table(context);
+    view_.data = block_.data();
+    view_.meshes = mesh_records_.data();
+    view_.empty = tree.root() == nullptr;
+    view_.time_begin = tree.range().begin;
+    view_.time_last = tree.range().last;
+    view_.root = view_.empty ? 0 : encoder.encode(block_.data());
+    F32x4 lower(std::numeric_limits<float>::infinity());
+    F32x4 upper(-std::numeric_limits<float>::infinity());
+    for (const RootBounds& child : root_bounds_) {
+      lower = min(lower, min(child.bounds.lower_begin, child.bounds.lower_end));
+      upper = max(upper, max(child.bounds.upper_begin, child.bounds.upper_end));
+    }
+    view_.bounds = box(lower, upper);
+    make_statistics(context, tree, encoder);
+  }
+
+  bool intersect(const Ray& ray, Hit& hit, const HitFilter* filter) const override {
+    return intersect_on(default_isa(), ray, hit, filter);
+  }
+  bool occluded(const Ray& ray, const HitFilter* filter) const override {
+    return occluded_on(default_isa(), ray, filter);
+  }
+  bool intersect_on(Isa isa, const Ray& ray, Hit& hit, const HitFilter* filter) const override {
+    const KernelTable& kernels = kernel_table(isa);
+    return filter == nullptr ? kernels.intersect(view_, ray, hit)
+                             : kernels.intersect_filtered(view_, ray, hit, *filter);
+  }
+  bool occluded_on(Isa isa, const Ray& ray, const HitFilter* filter) const override {
+    const KernelTable& kernels = kernel_table(isa);
+    return filter == nullptr ? kernels.occluded(view_, ray) : kernels.occluded_filtered(view_, ray, *filter);
+  }
+  bool intersect_counted(const Ray& ray, Hit& hit, TraversalCounters& counters) const override {
+    return kernel_table(default_isa()).intersect_counted(view_, ray, hit, counters);
+  }
+  bool occluded_counted(const Ray& ray, TraversalCounters& counters) const override {
+    return kernel_table(default_isa()).occluded_counted(view_, ray, counters);
+  }
+
+  Box3f bounds_at(float time) const override {
+    F32x4 lower(std::numeric_limits<float>::infinity());
+    F32x4 upper(-std::numeric_limits<float>::infinity());
+    for (const RootBounds& child : root_bounds_) {
+      if (!(time >= child.range.begin && time <= child.range.last)) continue;
+      const float length = child.range.last - child.range.begin;
+      const float f = length > 0.0f ? (time - child.range.begin) / length : 0.0f;
+      const F32x4 f0(1.0f - f), f1(f);
+      const LinearBounds& b = child.bounds;
+      const F32x4 largest = max(max(abs(b.lower_begin), abs(b.lower_end)), max(abs(b.upper_begin), abs(b.upper_end)));
+      const F32x4 pad = b.is_static() ? F32x4(0.0f) : largest * F32x4(0x1p-21f);
+      lower = min(lower, f0 * b.lower_begin + f1 * b.lower_end - pad);
+      upper = max(upper, f0 * b.upper_begin + f1 * b.upper_end + pad);
+    }
+    return box(lower, upper);
+  }
+
+  const BuildStatistics& statistics() const override { return statistics_; }
+
+  std::uint64_t tree_hash() const override {
+    std::uint64_t hash = 0xcbf29ce484222325u ^ view_.root;
+    for (std::size_t i = 0; i < block_.bytes(); i += sizeof(std::uint64_t)) {
+      std::uint64_t word;
+      std::memcpy(&word, block_.data() + i, sizeof word);
+      hash = (hash ^ word) * 0x9E3779B97F4A7C15u;
+      hash ^= hash >> 29;
+    }
+    return hash;
+  }
+
+ private:
+  void make_mesh_table(const BuildContext& context) {
+    std::size_t steps = 0;
+    for (const BuildMesh& mesh : context.meshes) steps += mesh.view().steps.size();
+    step_views_.reserve(steps);
+    for (const BuildMesh& mesh : context.meshes) {
+      const VertexBufferView* first = step_views_.data() + step_views_.size();
+      step_views_.insert(step_views_.end(), mesh.view().steps.begin(), mesh.view().steps.end());
+      mesh_records_.push_back({mesh.grid(), mesh.view().mask, mesh.view().geom_id, first});
+    }
+  }
+
+  void make_statistics(const BuildContext& context, const BinaryTree& tree, const Encoder& encoder) {
+    for (const BuildMesh& mesh : context.meshes) statistics_.invalid_triangles += mesh.view().triangle_count;
+    statistics_.triangles = tree.valid_triangles();
+    statistics_.invalid_triangles -= tree.valid_triangles();
+    statistics_.primitive_segments = tree.primitive_segments();
+    statistics_.temporal_splits = tree.temporal_splits();
+    encoder.add_statistics(statistics_);
+    statistics_.structure_bytes = block_.bytes() + sizeof *this + mesh_records_.size() * sizeof(MeshRecord) +
+                                  step_views_.size() * sizeof(VertexBufferView);
+    statistics_.peak_bytes =
+        std::max(context.memory.peak(), context.memory.current() + statistics_.structure_bytes);
+  }
+
+  Block block_;
+  std::vector<MeshRecord> mesh_records_;
+  std::vector<VertexBufferView> step_views_;
+  std::vector<RootBounds> root_bounds_;
+  StructureView view_{};
+  BuildStatistics statistics_;
+};
+
+}  // namespace
+
+std::unique_ptr<Structure> Structure::build(std::span<const MeshView> meshes, const BuildSettings& settings,
+                                            const BuildCallbacks& callbacks) {
+  BuildContext context(callbacks);
+  context.settings = settings;
+  context.meshes.reserve(meshes.size());
+  for (std::size_t i = 0; i < meshes.size(); ++i) context.meshes.emplace_back(meshes[i], i);
+  context.progress.start();
+  BinaryTree tree(context);
+  tree.build();
+  const Encoder encoder(context, tree);
+  auto structure = std::make_unique<StructureImpl>(context, callbacks, tree, encoder);
+  context.progress.finish();
+  return structure;
+}
+
+}  // namespace stbvh

@@ -1,0 +1,43 @@
+#include <cstdio>
+#include <cstdlib>
+
+#include "stbvh/isa.h"
+#include "traverse/kernel_table.h"
+
+namespace stbvh {
+
+std::string_view isa_name(Isa isa) { return isa == Isa::kAvx2 ? "avx2" : "scalar"; }
+
+std::vector<Isa> available_isas() {
+  std::vector<Isa> isas{Isa::kScalar};
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) isas.push_back(Isa::kAvx2);
+  return isas;
+}
+
+namespace {
+
+Isa choose_isa() {
+  const std::vector<Isa> isas = available_isas();
+  const Isa best = isas.back();
+  if (const char* wanted = std::getenv("STBVH_ISA"); wanted != nullptr && *wanted != '\0') {
+    for (const Isa isa : isas) {
+      if (isa_name(isa) == wanted) return isa;
+    }
+    std::fprintf(stderr, "stbvh: STBVH_ISA=%s is not available here, using %s\n", wanted, isa_name(best).data());
+  } else if (best == Isa::kScalar) {
+    std::fprintf(stderr, "stbvh: this machine has no AVX2 with FMA, using the scalar traversal\n");
+  }
+  return best;
+}
+
+}  // namespace
+
+Isa default_isa() {
+  static const Isa isa = choose_isa();
+  return isa;
+}
+
+const KernelTable& kernel_table(Isa isa) { return isa == Isa::kAvx2 ? kAvx2Kernels : kScalarKernels; }
+
+}  // namespace stbvh

@@ -1,0 +1,25 @@
+/// The entry points of one instruction set.
+#pragma once
+
+#include "layout/layout.h"
+#include "stbvh/structure.h"
+
+namespace stbvh {
+
+/// Closest hit and any hit, plain, with a filter, and counted. `hit` is written only on a hit.
+struct KernelTable {
+  bool (*intersect)(const StructureView&, const Ray&, Hit&);
+  bool (*intersect_filtered)(const StructureView&, const Ray&, Hit&, const HitFilter&);
+  bool (*intersect_counted)(const StructureView&, const Ray&, Hit&, TraversalCounters&);
+  bool (*occluded)(const StructureView&, const Ray&);
+  bool (*occluded_filtered)(const StructureView&, const Ray&, const HitFilter&);
+  bool (*occluded_counted)(const StructureView&, const Ray&, TraversalCounters&);
+};
+
+/// The table of an instruction set that is available (available_isas()).
+const KernelTable& kernel_table(Isa isa);
+
+extern const KernelTable kScalarKernels;
+extern const KernelTable kAvx2Kernels;
+
+}  // namespace stbvh

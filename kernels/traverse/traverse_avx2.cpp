@@ -1,0 +1,22 @@
+#include <immintrin.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <utility>
+
+#include "layout/layout.h"
+#include "stbvh/structure.h"
+#include "traverse/kernel_table.h"
+
+namespace stbvh {
+namespace {
+#include "simd/f32x8_avx2.h"
+#include "traverse/ray_setup.inl"
+#include "traverse/leaf_test.inl"
+#include "traverse/traverse.inl"
+}  // namespace
+
+const KernelTable kAvx2Kernels = make_kernel_table();
+
+}  // namespace stbvh

@@ -1,0 +1,20 @@
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <utility>
+
+#include "layout/layout.h"
+#include "stbvh/structure.h"
+#include "traverse/kernel_table.h"
+
+namespace stbvh {
+namespace {
+#include "simd/f32x8_scalar.h"
+#include "traverse/ray_setup.inl"
+#include "traverse/leaf_test.inl"
+#include "traverse/traverse.inl"
+}  // namespace
+
+const KernelTable kScalarKernels = make_kernel_table();
+
+}  // namespace stbvh

@@ -1,0 +1,78 @@
+#include "build/linear_bounds.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "test_meshes.h"
+
+namespace stbvh {
+namespace {
+
+std::vector<BoundsSample> random_samples(test::Random& random, std::size_t count) {
+  std::vector<BoundsSample> samples;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3f lower = random.point(1.0f);
+    const Vec3f size{random.unit(), random.unit(), random.unit()};
+    samples.push_back({static_cast<float>(i) / static_cast<float>(count - 1), F32x4(lower),
+                       F32x4(lower.x + size.x, lower.y + size.y, lower.z + size.z)});
+  }
+  return samples;
+}
+
+void expect_contains(const LinearBounds& bounds, const std::vector<BoundsSample>& samples) {
+  for (const BoundsSample& s : samples) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const float lower = (1 - s.parameter) * bounds.lower_begin[axis] + s.parameter * bounds.lower_end[axis];
+      const float upper = (1 - s.parameter) * bounds.upper_begin[axis] + s.parameter * bounds.upper_end[axis];
+      EXPECT_LE(lower, s.lower[axis] + 1e-5f);
+      EXPECT_GE(upper, s.upper[axis] - 1e-5f);
+    }
+  }
+}
+
+TEST(LinearBounds, BothFitsContainEverySample) {
+  test::Random random(1);
+  for (std::size_t count = 2; count <= kMaxSteps + 2; count += count < 20 ? 1 : 37) {
+    for (int repeat = 0; repeat < 20; ++repeat) {
+      const std::vector<BoundsSample> samples = random_samples(random, count);
+      expect_contains(shifted_chord(samples), samples);
+      expect_contains(tightest_at_centre(samples), samples);
+    }
+  }
+}
+
+TEST(LinearBounds, HullIsNeverLooserAtTheCentre) {
+  test::Random random(2);
+  double chord = 0, hull = 0;
+  for (int repeat = 0; repeat < 200; ++repeat) {
+    const std::vector<BoundsSample> samples = random_samples(random, 9);
+    const float c = shifted_chord(samples).centre_area();
+    const float h = tightest_at_centre(samples).centre_area();
+    EXPECT_LE(h, c * 1.0001f);
+    chord += c;
+    hull += h;
+  }
+  EXPECT_LT(hull, 0.95 * chord);
+}
+
+TEST(LinearBounds, HullOnPaper) {
+  // A lower face at 0, -1, 0 over parameters 0, 0.5, 1: the lowest line through the centre lies at -1 there.
+  std::vector<BoundsSample> samples;
+  for (const auto& [s, v] : {std::pair{0.0f, 0.0f}, {0.5f, -1.0f}, {1.0f, 0.0f}}) {
+    samples.push_back({s, F32x4(v), F32x4(5.0f)});
+  }
+  const LinearBounds bounds = tightest_at_centre(samples);
+  EXPECT_FLOAT_EQ(0.5f * (bounds.lower_begin[0] + bounds.lower_end[0]), -1.0f);
+  EXPECT_LE(bounds.lower_begin[0], 0.0f);
+  EXPECT_LE(bounds.lower_end[0], 0.0f);
+  EXPECT_FLOAT_EQ(bounds.upper_begin[0], 5.0f);
+  // The chord shifted by the worst violation is parallel to the axis here: -1 at both ends.
+  const LinearBounds chord = shifted_chord(samples);
+  EXPECT_FLOAT_EQ(chord.lower_begin[0], -1.0f);
+  EXPECT_FLOAT_EQ(chord.lower_end[0], -1.0f);
+}
+
+}  // namespace
+}  // namespace stbvh

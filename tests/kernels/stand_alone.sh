@@ -1,0 +1,29 @@
+#!/usr/bin/env bash
+# The kernels need none of Embree, OpenEXR, OpenSubdiv, GLFW, and share no inline function between sources that are
+# compiled for different instruction sets. Usage: stand_alone.sh LIBRARY SOURCE_FOLDER
+set -euo pipefail
+library=$1 sources=$2
+
+if grep -rnE '#include *[<"](embree|rtcore|Imf|OpenEXR|Imath|opensubdiv|GLFW|GL/)' "$sources"; then
+  echo "a kernel source includes a library that only the other folders may use" >&2
+  exit 1
+fi
+if nm --undefined-only --demangle "$library" 2>/dev/null | grep -E ' (rtc[A-Z]|Imf_|glfw|OpenSubdiv)'; then
+  echo "the kernels call a library that only the other folders may use" >&2
+  exit 1
+fi
+
+# Weak symbols are what the linker may take from either object: the vector sources must define none, and nothing
+# strong but their kernel table.
+objects=$(mktemp -d)
+trap 'rm -rf "$objects"' EXIT
+(cd "$objects" && ar x "$library")
+for object in "$objects"/traverse_*.o; do
+  shared=$(nm --defined-only --demangle "$object" | grep -E ' [BDRTVWu] ' | grep -vE 'stbvh::k(Scalar|Avx2)Kernels$' || true)
+  if [ -n "$shared" ] && ! nm "$object" | grep -qE '__(asan|tsan|ubsan)_'; then
+    echo "$(basename "$object") defines symbols that another source could be given:" >&2
+    echo "$shared" >&2
+    exit 1
+  fi
+done
+echo "kernels stand alone"
