@@ -1,0 +1,100 @@
+#include "harness/cli/commands.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "harness/cli/progress.h"
+#include "harness/cli/scene_source.h"
+#include "harness/cli/usage_error.h"
+#include "harness/picture/png_file.h"
+#include "harness/picture/render_picture.h"
+#include "harness/rays/ray_generator.h"
+#include "harness/report/json.h"
+#include "harness/scenes/procedural/procedural.h"
+#include "harness/structures/structure_under_test.h"
+
+namespace stbvh::harness {
+namespace {
+
+int fail(int code, const char* text) {
+  fmt::print(stderr, "stbvh-ab: {}\n", text);
+  return code;
+}
+
+void run(const Options& options) {
+  switch (options.command) {
+    case Command::kList:
+      return run_list();
+    case Command::kBench:
+      return run_bench(options);
+    case Command::kError:
+      return run_error(options);
+    case Command::kPicture:
+      return run_picture(options);
+  }
+}
+
+}  // namespace
+
+void run_list() {
+  fmt::print("scenes (or a .glb or .gltf file)\n");
+  for (const ProceduralScene& scene : procedural_scenes()) {
+    fmt::print("  {:<17} {} (default scale {})\n", scene.name, scene.description, scene.default_scale);
+  }
+  fmt::print("structures\n");
+  for (std::string_view name : structure_names()) fmt::print("  {}\n", name);
+  fmt::print("rays\n");
+  for (RayKind kind : ray_kinds()) fmt::print("  {}\n", ray_kind_name(kind));
+}
+
+void run_picture(const Options& options) {
+  const std::vector<SceneSource> sources = find_scenes(options);
+  std::error_code error;
+  std::filesystem::create_directories(options.directory, error);
+  if (error) {
+    throw UsageError(
+        fmt::format("Cannot make the directory \"{}\": {}.", options.directory.string(), error.message()));
+  }
+  const auto file_of = [&](const SceneSource& source) { return options.directory / (source.name + ".png"); };
+  for (const SceneSource& source : sources) check_writable(file_of(source));
+  Progress progress;
+  for (const SceneSource& source : sources) {
+    progress.stage(fmt::format("{}: making the scene", source.name));
+    const Scene scene = source.load();
+    const PictureSettings settings{.width = options.picture_width,
+                                   .height = options.picture_height,
+                                   .samples_per_pixel = options.samples_per_pixel,
+                                   .seed = options.seed};
+    const Image image = render_picture(scene, settings, [&](double fraction) {
+      progress.stage(fmt::format("{}: rendering, {:.0f} %", source.name, 100 * fraction));
+    });
+    write_png(image, file_of(source));
+    progress.clear();
+    fmt::print("{}\n", file_of(source).string());
+  }
+}
+
+int run_program(int argc, const char* const* argv) {
+  try {
+    const std::optional<Options> options = parse_options(argc, argv);
+    if (options) run(*options);
+    return 0;
+  } catch (const UsageError& e) {
+    return fail(2, e.what());
+  } catch (const SceneFileError& e) {
+    return fail(2, e.what());
+  } catch (const ReportFileError& e) {
+    return fail(2, e.what());
+  } catch (const PictureFileError& e) {
+    return fail(2, e.what());
+  } catch (const std::bad_alloc&) {
+    return fail(1, "Not enough memory.");
+  } catch (const std::exception& e) {
+    return fail(1, e.what());
+  }
+}
+
+}  // namespace stbvh::harness

@@ -1,0 +1,17 @@
+/// What stbvh-ab does.
+#pragma once
+
+#include "harness/cli/options.h"
+
+namespace stbvh::harness {
+
+void run_list();
+void run_bench(const Options& options);
+void run_error(const Options& options);
+void run_picture(const Options& options);
+
+/// The whole program: runs the command of a command line, prints one line on stderr for what cannot be done.
+/// Returns the exit code: 0 done; 2 the user asked for what cannot be done; 1 it went wrong.
+int run_program(int argc, const char* const* argv);
+
+}  // namespace stbvh::harness

@@ -1,0 +1,45 @@
+/// The commands of stbvh-ab and their options.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "harness/rays/ray_set.h"
+#include "harness/scenes/gltf/gltf.h"
+
+namespace stbvh::harness {
+
+/// Rays of each kind where --count is not given.
+inline constexpr std::size_t kDefaultBenchRays = 200'000;
+inline constexpr std::size_t kDefaultErrorRays = 20'000;
+
+enum class Command { kList, kBench, kError, kPicture };
+
+/// All of them checked: names known, numbers in range.
+struct Options {
+  Command command = Command::kList;
+  std::vector<std::string> scenes;
+  std::vector<std::string> structures;  ///< in the order of structure_names()
+  std::vector<RayKind> rays;
+  std::optional<double> scale;  ///< of the paper's scenes; empty: each scene's default
+  GltfOptions gltf;
+  std::uint64_t seed = 1;
+  unsigned threads = 1;
+  std::size_t repeats = 7;
+  std::size_t count = 0;
+  double build_budget_s = 3;
+  std::optional<std::filesystem::path> json;
+  std::filesystem::path directory;
+  std::size_t picture_width = 960;
+  std::size_t picture_height = 540;
+  std::size_t samples_per_pixel = 16;
+};
+
+/// Options from a command line; empty if help or version was asked for and printed. Throws UsageError.
+std::optional<Options> parse_options(int argc, const char* const* argv);
+
+}  // namespace stbvh::harness

@@ -1,0 +1,81 @@
+#include "harness/cli/scene_source.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "harness/cli/closest_name.h"
+#include "harness/cli/usage_error.h"
+#include "harness/scenes/procedural/mesh_tools.h"
+#include "harness/scenes/procedural/procedural.h"
+
+namespace stbvh::harness {
+namespace {
+
+Vec3 extent(const Scene& scene) {
+  const Box3f box = scene.bounds();
+  return {static_cast<double>(box.upper.x) - box.lower.x, static_cast<double>(box.upper.y) - box.lower.y,
+          static_cast<double>(box.upper.z) - box.lower.z};
+}
+
+bool is_file_name(const std::string& name) {
+  std::string extension = std::filesystem::path(name).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension == ".glb" || extension == ".gltf";
+}
+
+/// Refuses what no ray can be sent through.
+Scene checked(Scene scene, const std::string& name) {
+  scene.name = name;
+  if (scene.triangle_count() == 0) throw UsageError(fmt::format("The scene \"{}\" has no triangles.", name));
+  const Vec3 size = extent(scene);
+  if (!std::isfinite(length(size))) {
+    throw UsageError(fmt::format("The scene \"{}\" has positions that are not finite.", name));
+  }
+  if (!(length(size) > 0)) throw UsageError(fmt::format("The scene \"{}\" has no extent.", name));
+  return scene;
+}
+
+SceneSource file_source(const std::string& name, const GltfOptions& gltf) {
+  if (!std::filesystem::exists(name)) throw UsageError(fmt::format("There is no file \"{}\".", name));
+  const std::string stem = std::filesystem::path(name).stem().string();
+  return {stem, [=] { return checked(load_gltf(name, gltf), stem); }};
+}
+
+SceneSource built_in_source(const std::string& name, const Options& options) {
+  const ProceduralScene* scene = find_procedural_scene(name);
+  if (scene == nullptr) {
+    std::vector<std::string_view> known;
+    for (const ProceduralScene& s : procedural_scenes()) known.push_back(s.name);
+    throw UsageError(unknown_name("scene", name, known));
+  }
+  const double scale = options.scale.value_or(scene->default_scale);
+  return {name, [=, seed = options.seed] { return checked(scene->make(scale, seed), name); }};
+}
+
+}  // namespace
+
+std::vector<SceneSource> find_scenes(const Options& options) {
+  std::vector<SceneSource> sources;
+  for (const std::string& name : options.scenes) {
+    sources.push_back(is_file_name(name) ? file_source(name, options.gltf) : built_in_source(name, options));
+  }
+  return sources;
+}
+
+SceneSummary summarize(const Scene& scene) {
+  return {.name = scene.name,
+          .meshes = scene.meshes.size(),
+          .triangles = scene.triangle_count(),
+          .primitive_segments = scene.primitive_segment_count(),
+          .buffer_bytes = scene.buffer_bytes()};
+}
+
+double diagonal(const Scene& scene) {
+  return length(extent(scene));
+}
+
+}  // namespace stbvh::harness

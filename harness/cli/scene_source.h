@@ -1,0 +1,28 @@
+/// Scenes by name or file.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "harness/cli/options.h"
+#include "harness/report/records.h"
+#include "harness/scenes/scene.h"
+
+namespace stbvh::harness {
+
+/// A scene that was asked for, not loaded yet.
+struct SceneSource {
+  std::string name;
+  std::function<Scene()> load;  ///< throws UsageError or SceneFileError
+};
+
+/// Throws UsageError for names that are neither a built-in scene nor a .glb or .gltf file that exists.
+std::vector<SceneSource> find_scenes(const Options& options);
+
+SceneSummary summarize(const Scene& scene);
+
+/// Length of the diagonal of the scene's bounds.
+double diagonal(const Scene& scene);
+
+}  // namespace stbvh::harness

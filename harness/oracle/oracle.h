@@ -1,0 +1,61 @@
+/// The truth: brute force in double precision over all triangles of a scene.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "harness/oracle/mesh_cull.h"
+#include "harness/oracle/triangle_test.h"
+#include "harness/rays/ray_set.h"
+#include "harness/scenes/scene.h"
+
+namespace stbvh::harness {
+
+struct OracleAnswer {
+  bool is_hit = false;  ///< the exact answer, with the following four
+  double t = 0;
+  double t_lower = 0, t_upper = 0;  ///< what t can become within rounding
+  std::uint32_t geom_id = kInvalidId;
+  std::uint32_t prim_id = kInvalidId;
+
+  std::uint32_t ties = 0;    ///< other exact hits whose t is the same within rounding
+  bool is_possible = false;  ///< some movement within rounding hits something
+  /// The nearest hit that stays one however things move is not farther than this; infinite: there is none.
+  double certain_t_upper = std::numeric_limits<double>::infinity();
+  /// The exact answer may change within rounding: a triangle that is possible but not certain lies before the
+  /// nearest certain hit.
+  bool is_near_edge = false;
+  /// Units in the last place that ray, time and vertices must move by before a triangle that matters is hit
+  /// or missed otherwise: the nearest hit's, or one passed within rounding before it. Infinite for a ray near
+  /// nothing.
+  double edge_distance_ulps = std::numeric_limits<double>::infinity();
+
+  bool is_certain() const { return certain_t_upper < std::numeric_limits<double>::infinity(); }
+};
+
+/// Answers rays over a scene that outlives it; built once, asked from any number of threads.
+class Oracle {
+ public:
+  enum class Cull { kBoxes, kNone };
+
+  /// Cull::kNone tests every triangle for every ray: what the answers with boxes are certified against.
+  explicit Oracle(const Scene& scene, Cull cull = Cull::kBoxes);
+
+  OracleAnswer answer(const Ray& ray) const;
+
+  /// answer() for all rays, in parallel.
+  std::vector<OracleAnswer> answers(std::span<const Ray> rays) const;
+
+  /// One triangle of the scene against `ray`; empty where that triangle does not exist, is invalid, or cannot
+  /// be hit by the ray because of its time or mask.
+  std::optional<TriangleTest> test(const Ray& ray, std::uint32_t geom_id, std::uint32_t prim_id) const;
+
+ private:
+  const Scene& scene_;
+  std::vector<MeshCull> culls_;
+};
+
+}  // namespace stbvh::harness

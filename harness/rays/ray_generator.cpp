@@ -1,0 +1,190 @@
+#include "harness/rays/ray_generator.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "harness/rays/moving_triangle.h"
+#include "harness/rays/ray_sources.h"
+
+namespace stbvh::harness {
+namespace {
+
+constexpr std::array<std::pair<RayKind, std::string_view>, 4> kNames{{{RayKind::kPrimary, "primary"},
+                                                                      {RayKind::kBounce, "bounce"},
+                                                                      {RayKind::kUniform, "uniform"},
+                                                                      {RayKind::kShadow, "shadow"}}};
+constexpr std::array<RayKind, 4> kKinds{RayKind::kPrimary, RayKind::kBounce, RayKind::kUniform,
+                                        RayKind::kShadow};
+
+/// A point off a surface, seen from the side of `normal` (unit).
+struct SurfacePoint {
+  Vec3 position;
+  Vec3 normal;
+  float time;
+};
+
+std::vector<HitRecord> trace(const StructureUnderTest& reference, std::span<const Ray> rays) {
+  std::vector<HitRecord> hits(rays.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), 1024), [&](const auto& range) {
+    reference.intersect(rays.subspan(range.begin(), range.size()),
+                        std::span(hits).subspan(range.begin(), range.size()));
+  });
+  return hits;
+}
+
+/// The hit point, moved to the ray's side of the surface by 64 units in the last place of the coordinates
+/// that made it: several times what the oracle counts as rounding.
+SurfacePoint surface_point(const Scene& scene, const Ray& ray, const HitRecord& hit) {
+  const Mesh& mesh = scene.meshes[hit.geom_id];
+  const auto p = triangle_at(mesh, hit.prim_id, motion_sample(mesh, ray.time));
+  const Vec3 direction = to_double(ray.direction);
+  Vec3 normal = normalize(cross(p[1] - p[0], p[2] - p[0]));
+  if (dot(normal, direction) > 0) normal = -normal;
+  const Vec3 origin = to_double(ray.origin);
+  const Vec3 along = direction * static_cast<double>(hit.t);
+  const double magnitude = length(origin) + length(along) + length(p[0]);
+  return {origin + along + normal * (64 * 0x1p-23 * magnitude), normal, ray.time};
+}
+
+/// Up to `count` points that `reference` hits: through the camera, then aimed at geometry.
+std::vector<SurfacePoint> hit_points(const Scene& scene, const StructureUnderTest& reference,
+                                     std::size_t count, Pcg32& random) {
+  constexpr int kBatches = 16;
+  const CameraRays camera(scene.camera);
+  const GeometryPoints geometry(scene);
+  std::vector<SurfacePoint> points;
+  const std::size_t batch = std::max<std::size_t>(count, 4096);
+  for (int round = 0; round < 2 * kBatches && points.size() < count; ++round) {
+    const bool through_camera = round < kBatches;
+    std::vector<Ray> rays;
+    rays.reserve(batch);
+    for (std::size_t i = 0; i < batch; ++i) {
+      const Ray ray = through_camera ? camera.through(random.uniform(), random.uniform(), random_time(random))
+                                     : geometry.aimed_ray(random);
+      if (is_traceable(ray)) rays.push_back(ray);
+    }
+    const std::vector<HitRecord> hits = trace(reference, rays);
+    for (std::size_t i = 0; i < rays.size() && points.size() < count; ++i) {
+      if (hits[i].is_hit()) points.push_back(surface_point(scene, rays[i], hits[i]));
+    }
+  }
+  return points;
+}
+
+std::vector<Ray> primary_rays(const Scene& scene, std::size_t count, Pcg32& random) {
+  const CameraRays camera(scene.camera);
+  const double n = static_cast<double>(count);
+  const auto width = static_cast<std::size_t>(std::ceil(std::sqrt(n * CameraRays::kAspect)));
+  const std::size_t height = (count + width - 1) / width;
+  std::vector<Ray> rays;
+  rays.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double x = (static_cast<double>(i % width) + random.uniform()) / static_cast<double>(width);
+    const double y = (static_cast<double>(i / width) + random.uniform()) / static_cast<double>(height);
+    rays.push_back(camera.through(x, y, random_time(random)));
+  }
+  return rays;
+}
+
+std::vector<Ray> uniform_rays(const Scene& scene, std::size_t count, Pcg32& random) {
+  const GeometryPoints geometry(scene);
+  std::vector<Ray> rays;
+  rays.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    rays.push_back(i % 2 == 0 ? geometry.random_ray(random) : geometry.aimed_ray(random));
+  }
+  return rays;
+}
+
+std::vector<Ray> bounce_rays(std::span<const SurfacePoint> points, Pcg32& random) {
+  std::vector<Ray> rays;
+  rays.reserve(points.size());
+  for (const SurfacePoint& p : points) {
+    // A point of the unit sphere around the tip of the normal: cosine-distributed once normalised.
+    const Vec3 direction = normalize(p.normal + random_direction(random));
+    rays.push_back(make_ray(p.position, direction, std::numeric_limits<double>::infinity(), p.time));
+  }
+  return rays;
+}
+
+std::vector<Ray> shadow_rays(const Scene& scene, std::span<const SurfacePoint> points, Pcg32& random) {
+  const Box3f box = scene.bounds();
+  const Vec3 center = 0.5 * (to_double(box.lower) + to_double(box.upper));
+  const double diagonal = length(to_double(box.upper) - to_double(box.lower));
+  const Vec3 up = normalize(to_double(scene.camera.up));
+  const Vec3 light = center + diagonal * normalize(up + 0.5 * perpendicular(up));
+  std::vector<Ray> rays;
+  rays.reserve(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    Vec3 sky = random_direction(random);
+    if (dot(sky, up) < 0) sky = -sky;
+    const Vec3 to_target = (i % 2 == 0 ? light : center + diagonal * sky) - points[i].position;
+    rays.push_back(make_ray(points[i].position, normalize(to_target), length(to_target), points[i].time));
+  }
+  return rays;
+}
+
+void shuffle(std::vector<Ray>& rays, Pcg32& random) {
+  for (std::size_t i = rays.size(); i > 1; --i) {
+    std::swap(rays[i - 1], rays[static_cast<std::size_t>(random.uniform() * static_cast<double>(i))]);
+  }
+}
+
+}  // namespace
+
+std::string_view ray_kind_name(RayKind kind) {
+  return std::find_if(kNames.begin(), kNames.end(), [&](const auto& entry) { return entry.first == kind; })
+      ->second;
+}
+
+std::span<const RayKind> ray_kinds() {
+  return kKinds;
+}
+
+std::optional<RayKind> find_ray_kind(std::string_view name) {
+  for (const auto& [kind, kind_name] : kNames) {
+    if (kind_name == name) return kind;
+  }
+  return std::nullopt;
+}
+
+bool is_traceable(const Ray& ray) {
+  const auto is_finite = [](Vec3f v) {
+    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+  };
+  const Vec3f d = ray.direction;
+  return is_finite(ray.origin) && is_finite(d) && (d.x != 0 || d.y != 0 || d.z != 0) && ray.time >= 0 &&
+         ray.time <= 1 && ray.tnear >= 0 && ray.tnear <= ray.tfar;
+}
+
+RaySet make_rays(RayKind kind, const Scene& scene, const StructureUnderTest& reference, std::size_t count,
+                 std::uint64_t seed) {
+  Pcg32 random(seed, static_cast<std::uint64_t>(kind));
+  RaySet set{kind, {}};
+  switch (kind) {
+    case RayKind::kPrimary:
+      set.rays = primary_rays(scene, count, random);
+      break;
+    case RayKind::kUniform:
+      set.rays = uniform_rays(scene, count, random);
+      break;
+    case RayKind::kBounce:
+      set.rays = bounce_rays(hit_points(scene, reference, count, random), random);
+      shuffle(set.rays, random);
+      break;
+    case RayKind::kShadow:
+      set.rays = shadow_rays(scene, hit_points(scene, reference, count, random), random);
+      shuffle(set.rays, random);
+      break;
+  }
+  std::erase_if(set.rays, [](const Ray& ray) { return !is_traceable(ray); });
+  return set;
+}
+
+}  // namespace stbvh::harness

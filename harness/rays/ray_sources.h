@@ -1,0 +1,54 @@
+/// Where rays come from: a camera, the bounds of a scene, points on its geometry.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "harness/rays/ray_set.h"
+#include "harness/scenes/procedural/mesh_tools.h"
+#include "harness/scenes/scene.h"
+
+namespace stbvh::harness {
+
+Ray make_ray(Vec3 origin, Vec3 direction, double tfar, float time);
+
+/// Uniform in [0, 1].
+float random_time(Pcg32& random);
+
+/// Uniform on the unit sphere.
+Vec3 random_direction(Pcg32& random);
+
+/// Pinhole camera; the image is [0, 1]^2, rows from top to bottom.
+class CameraRays {
+ public:
+  static constexpr double kAspect = 16.0 / 9.0;
+
+  explicit CameraRays(const Camera& camera);
+
+  Ray through(double x, double y, float time) const;
+
+ private:
+  Vec3 position_, forward_, right_, up_;  ///< right_ and up_ span half the image
+};
+
+/// Random points in a scene's bounds and on its triangles.
+class GeometryPoints {
+ public:
+  explicit GeometryPoints(const Scene& scene);
+
+  /// From a random point of the bounds in a random direction.
+  Ray random_ray(Pcg32& random) const;
+  /// From a random point of the bounds to a random point on a random triangle, at the ray's time; a random
+  /// ray if the scene has no valid triangle there.
+  Ray aimed_ray(Pcg32& random) const;
+
+ private:
+  Vec3 point_in_bounds(Pcg32& random) const;
+  std::optional<Vec3> point_on_geometry(float time, Pcg32& random) const;
+
+  const Scene& scene_;
+  Vec3 lower_, extent_;
+  std::vector<std::size_t> first_triangle_;  ///< of each mesh in a count over all, and their sum
+};
+
+}  // namespace stbvh::harness

@@ -1,0 +1,82 @@
+/// What a run of the harness found, as it stands in tables and JSON.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace stbvh::harness {
+
+/// Median, least and largest of some repeats.
+struct Spread {
+  double median = 0;
+  double min = 0;
+  double max = 0;
+};
+
+/// Of at least one value; the median of an even number is the mean of the two in the middle.
+Spread spread_of(std::vector<double> values);
+
+struct BuildResult {
+  std::string scene;
+  std::string structure;
+  std::size_t triangles = 0;
+  std::size_t primitive_segments = 0;
+  unsigned threads = 0;
+  std::size_t builds = 0;  ///< how many times it was built
+  Spread build_s;
+  std::size_t peak_bytes = 0;
+  std::size_t structure_bytes = 0;
+  std::size_t monitor_bytes = 0;      ///< as the structure's Embree device counts; 0 without one
+  std::size_t total_bytes = 0;        ///< with the scene's vertex and index buffers
+  std::ptrdiff_t resident_bytes = 0;  ///< growth of the process's resident memory
+};
+
+struct SpeedResult {
+  std::string scene;
+  std::string structure;
+  std::string rays;
+  std::size_t ray_count = 0;
+  unsigned threads = 0;
+  std::size_t repeats = 0;
+  Spread mrays_per_s;
+  std::optional<Spread> ratio_to_embree;  ///< of the ratios within each repeat; empty if embree did not fit
+  std::size_t hits = 0;
+};
+
+struct ErrorResult {
+  std::string scene;
+  std::string structure;
+  std::string rays;
+  std::size_t traced = 0;
+  std::size_t oracle_hits = 0;
+  std::size_t missed = 0;
+  std::size_t false_hits = 0;
+  std::size_t wrong_primitive = 0;
+  std::size_t ties = 0;
+  std::size_t within_rounding = 0;
+  std::size_t near_edge = 0;
+  double t_error_rel_p50 = 0;
+  double t_error_rel_p99 = 0;
+  double t_error_rel_max = 0;
+  bool is_any_hit = false;  ///< occlusion rays have no t and no primitive
+};
+
+/// What is the same for a whole scene and heads its table.
+struct SceneSummary {
+  std::string name;
+  std::size_t meshes = 0;
+  std::size_t triangles = 0;
+  std::size_t primitive_segments = 0;
+  std::size_t buffer_bytes = 0;
+};
+
+struct Report {
+  std::vector<BuildResult> builds;
+  std::vector<SpeedResult> speeds;
+  std::vector<ErrorResult> errors;
+};
+
+}  // namespace stbvh::harness

@@ -1,0 +1,189 @@
+#include "harness/report/table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace stbvh::harness {
+namespace {
+
+constexpr double kMega = 1e6;
+
+/// The names in the order in which they first occur.
+template <class Result, class Name>
+std::vector<std::string> distinct(const std::vector<Result>& results, const Name& name) {
+  std::vector<std::string> names;
+  for (const Result& r : results) {
+    if (std::find(names.begin(), names.end(), name(r)) == names.end()) names.push_back(name(r));
+  }
+  return names;
+}
+
+std::string megabytes(double bytes) {
+  return fmt::format("{:.{}f}", bytes / kMega, std::abs(bytes) < 10 * kMega ? 2 : 1);
+}
+
+const SpeedResult* find(const std::vector<SpeedResult>& results, const std::string& structure,
+                        const std::string& rays) {
+  for (const SpeedResult& r : results) {
+    if (r.structure == structure && r.rays == rays) return &r;
+  }
+  return nullptr;
+}
+
+std::string speed_cell(const SpeedResult& r) {
+  const std::string mrays = fmt::format("{:6.2f}", r.mrays_per_s.median);
+  if (!r.ratio_to_embree) return "- " + mrays;
+  return fmt::format("{:.2f} ({:.2f}-{:.2f}) {}", r.ratio_to_embree->median, r.ratio_to_embree->min,
+                     r.ratio_to_embree->max, mrays);
+}
+
+std::string hit_line(const std::vector<SpeedResult>& results, const std::vector<std::string>& kinds) {
+  std::string line = "hits";
+  for (const std::string& kind : kinds) {
+    std::size_t least = SIZE_MAX;
+    std::size_t most = 0;
+    std::size_t count = 0;
+    for (const SpeedResult& r : results) {
+      if (r.rays != kind) continue;
+      least = std::min(least, r.hits);
+      most = std::max(most, r.hits);
+      count = r.ray_count;
+    }
+    const double share = 100.0 * static_cast<double>(most) / static_cast<double>(count);
+    line += fmt::format("  {} {:.1f} % of {}", kind, share, count);
+    if (least != most) line += fmt::format(" ({} fewer in the structure with least)", most - least);
+    line += ";";
+  }
+  line.pop_back();
+  return line + "\n";
+}
+
+}  // namespace
+
+std::string machine_line(const Machine& machine, const std::string& commit) {
+  return fmt::format("{}, {} cores, {:.0f} GB; Embree {}; stbvh {} on {}\n", machine.cpu, machine.cores,
+                     machine.memory_gb, machine.embree, commit, machine.instruction_set);
+}
+
+std::string scene_heading(const SceneSummary& scene) {
+  return fmt::format("\n== {}: {} triangles in {} meshes, {} primitive segments, buffers {} MB\n", scene.name,
+                     scene.triangles, scene.meshes, scene.primitive_segments,
+                     megabytes(static_cast<double>(scene.buffer_bytes)));
+}
+
+std::string build_table(const std::vector<BuildResult>& results) {
+  if (results.empty()) return "";
+  const auto embree = std::find_if(results.begin(), results.end(),
+                                   [](const BuildResult& r) { return r.structure == "embree"; });
+  const auto ratio = [&](double value, double reference) {
+    return embree == results.end() || reference <= 0 ? std::string("-")
+                                                     : fmt::format("{:.2f}", value / reference);
+  };
+  std::string text = fmt::format(
+      "build, {} threads (ratios to embree; MB = 1e6 bytes; bytes as each one's own monitor counts)\n"
+      "{:<15}{:>7}{:>9}{:>18}{:>8}{:>9}{:>9}{:>13}{:>12}\n",
+      results.front().threads, "structure", "time", "seconds", "min-max (builds)", "memory", "final MB",
+      "peak MB", "with buffers", "resident MB");
+  for (const BuildResult& r : results) {
+    const bool has_reference = embree != results.end();
+    const auto bytes = static_cast<double>(r.structure_bytes);
+    text += fmt::format("{:<15}{:>7}{:>9.3f}{:>18}{:>8}{:>9}{:>9}{:>13}{:>12}\n", r.structure,
+                        ratio(r.build_s.median, has_reference ? embree->build_s.median : 0), r.build_s.median,
+                        fmt::format("{:.2f}-{:.2f} ({})", r.build_s.min, r.build_s.max, r.builds),
+                        ratio(bytes, has_reference ? static_cast<double>(embree->structure_bytes) : 0),
+                        megabytes(bytes), megabytes(static_cast<double>(r.peak_bytes)),
+                        megabytes(static_cast<double>(r.total_bytes)),
+                        megabytes(static_cast<double>(r.resident_bytes)));
+  }
+  return text;
+}
+
+std::string speed_table(const std::vector<SpeedResult>& results) {
+  if (results.empty()) return "";
+  const auto kinds = distinct(results, [](const SpeedResult& r) { return r.rays; });
+  std::string text = fmt::format(
+      "speed, {} threads, {} repeats (ratio to embree and its least and largest in a repeat; "
+      "Mrays/s)\n{:<15}",
+      results.front().threads, results.front().repeats, "structure");
+  for (const std::string& kind : kinds) text += fmt::format("{:>25}", kind);
+  text += "\n";
+  for (const std::string& structure : distinct(results, [](const SpeedResult& r) { return r.structure; })) {
+    text += fmt::format("{:<15}", structure);
+    for (const std::string& kind : kinds) {
+      const SpeedResult* r = find(results, structure, kind);
+      text += fmt::format("{:>25}", r == nullptr ? "-" : speed_cell(*r));
+    }
+    text += "\n";
+  }
+  return text + hit_line(results, kinds) +
+         "Debian's Embree carries assertions, which cost it 1 to 4 % of its speed.\n";
+}
+
+std::string error_table(const std::vector<ErrorResult>& results) {
+  if (results.empty()) return "";
+  std::string text = fmt::format("{:<15}{:<9}{:>8}{:>8}{:>14}{:>14}{:>14}{:>7}{:>10}{:>10}{:>10}{:>10}\n",
+                                 "structure", "rays", "traced", "hits", "missed", "false", "wrong", "ties",
+                                 "rounding", "t err p50", "p99", "max");
+  for (const ErrorResult& r : results) {
+    const auto or_dash = [&](const std::string& s) { return r.is_any_hit ? std::string("-") : s; };
+    text += fmt::format(
+        "{:<15}{:<9}{:>8}{:>8}{:>14}{:>14}{:>14}{:>7}{:>10}{:>10}{:>10}{:>10}\n", r.structure, r.rays,
+        r.traced, r.oracle_hits, bad_count(r.missed, r.traced), bad_count(r.false_hits, r.traced),
+        or_dash(bad_count(r.wrong_primitive, r.traced)), or_dash(fmt::format("{}", r.ties)),
+        fmt::format("{}/{}", r.within_rounding, r.near_edge),
+        or_dash(fmt::format("{:.1e}", r.t_error_rel_p50)), or_dash(fmt::format("{:.1e}", r.t_error_rel_p99)),
+        or_dash(fmt::format("{:.1e}", r.t_error_rel_max)));
+  }
+  return text +
+         "rounding: answers that differ where the exact one changes within 3 ulps / rays where it can; "
+         "counted apart.\n";
+}
+
+std::string speed_summary(const Report& report) {
+  const auto scenes = distinct(report.speeds, [](const SpeedResult& r) { return r.scene; });
+  if (scenes.size() < 2) return "";
+  const auto kinds = distinct(report.speeds, [](const SpeedResult& r) { return r.rays; });
+  std::string text = fmt::format("\n== all {} scenes: geometric means of the ratios to embree\n{:<15}",
+                                 scenes.size(), "structure");
+  for (const std::string& kind : kinds) text += fmt::format("{:>10}", kind);
+  text += fmt::format("{:>10}{:>12}\n", "memory", "build time");
+  const auto geometric_mean = [](const std::vector<double>& ratios) {
+    double sum = 0;
+    for (double r : ratios) sum += std::log(r);
+    return ratios.empty() ? std::string("-")
+                          : fmt::format("{:.2f}", std::exp(sum / static_cast<double>(ratios.size())));
+  };
+  for (const std::string& structure :
+       distinct(report.builds, [](const BuildResult& r) { return r.structure; })) {
+    text += fmt::format("{:<15}", structure);
+    for (const std::string& kind : kinds) {
+      std::vector<double> ratios;
+      for (const SpeedResult& r : report.speeds) {
+        if (r.structure == structure && r.rays == kind && r.ratio_to_embree) {
+          ratios.push_back(r.ratio_to_embree->median);
+        }
+      }
+      text += fmt::format("{:>10}", geometric_mean(ratios));
+    }
+    std::vector<double> bytes;
+    std::vector<double> seconds;
+    for (const BuildResult& r : report.builds) {
+      for (const BuildResult& e : report.builds) {
+        if (r.structure != structure || e.structure != "embree" || e.scene != r.scene) continue;
+        bytes.push_back(static_cast<double>(r.structure_bytes) / static_cast<double>(e.structure_bytes));
+        seconds.push_back(r.build_s.median / e.build_s.median);
+      }
+    }
+    text += fmt::format("{:>10}{:>12}\n", geometric_mean(bytes), geometric_mean(seconds));
+  }
+  return text;
+}
+
+std::string bad_count(std::size_t count, std::size_t n) {
+  if (count > 0 || n == 0) return fmt::format("{}", count);
+  return fmt::format("0 (<{:.1e})", 3.0 / static_cast<double>(n));
+}
+
+}  // namespace stbvh::harness

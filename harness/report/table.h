@@ -1,0 +1,31 @@
+/// A report for a person to read.
+#pragma once
+
+#include <string>
+
+#include "harness/report/machine.h"
+#include "harness/report/records.h"
+
+namespace stbvh::harness {
+
+/// One line that says where and from what the figures come.
+std::string machine_line(const Machine& machine, const std::string& commit);
+
+std::string scene_heading(const SceneSummary& scene);
+
+/// Builds of one scene: ratios to `embree` first where it is among them.
+std::string build_table(const std::vector<BuildResult>& results);
+
+/// Speeds in one scene, a column for each kind of rays.
+std::string speed_table(const std::vector<SpeedResult>& results);
+
+/// Errors in one scene, a line for each structure and kind of rays.
+std::string error_table(const std::vector<ErrorResult>& results);
+
+/// Geometric means of the ratios over all scenes of a report; empty for fewer than two scenes.
+std::string speed_summary(const Report& report);
+
+/// A count of bad rays in `n`; none says what that proves: below 3/n with 95 % confidence.
+std::string bad_count(std::size_t count, std::size_t n);
+
+}  // namespace stbvh::harness

@@ -1,0 +1,25 @@
+/// The built-in scenes: deterministic by seed, at any scale.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "harness/scenes/scene.h"
+
+namespace stbvh::harness {
+
+struct ProceduralScene {
+  std::string_view name;
+  std::string_view description;  ///< one line
+  double default_scale;          ///< share of the triangles of the paper's table that a laptop holds easily
+  Scene (*make)(double scale, std::uint64_t seed);
+};
+
+/// All built-in scenes, the six of the paper first.
+std::span<const ProceduralScene> procedural_scenes();
+
+/// The scene of that name, or null.
+const ProceduralScene* find_procedural_scene(std::string_view name);
+
+}  // namespace stbvh::harness

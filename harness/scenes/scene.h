@@ -1,0 +1,67 @@
+/// What every stage of the harness works on: animated triangle meshes and a camera.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "stbvh/mesh_view.h"
+#include "stbvh/vec.h"
+
+namespace stbvh::harness {
+
+/// Positions of one step. Keeps one more element behind the last: Embree reads 16 bytes at each vertex.
+class VertexBuffer {
+ public:
+  VertexBuffer() = default;
+  explicit VertexBuffer(std::size_t count) : storage_(count + 1, Vec3f{0, 0, 0}) {}
+
+  std::size_t size() const { return storage_.empty() ? 0 : storage_.size() - 1; }
+  Vec3f* data() { return storage_.data(); }
+  const Vec3f* data() const { return storage_.data(); }
+  Vec3f& operator[](std::size_t i) { return storage_[i]; }
+  const Vec3f& operator[](std::size_t i) const { return storage_[i]; }
+  std::span<const Vec3f> span() const { return {storage_.data(), size()}; }
+
+ private:
+  std::vector<Vec3f> storage_;
+};
+
+/// A triangle mesh with one vertex buffer for each step over `time_range`.
+struct Mesh {
+  std::string name;
+  std::vector<std::uint32_t> indices;  ///< 3 for each triangle
+  std::vector<VertexBuffer> steps;     ///< 1 (static) to kMaxSteps, all of the same size
+  TimeRange time_range;                ///< in ray time, default [0, 1]
+  std::uint32_t mask = 0xFFFFFFFFu;
+  Vec3f color{0.7f, 0.7f, 0.7f};       ///< base colour, linear RGB, for pictures
+
+  std::size_t triangle_count() const { return indices.size() / 3; }
+  std::size_t segment_count() const { return steps.empty() ? 0 : steps.size() - 1; }
+  bool is_static() const { return steps.size() <= 1; }
+};
+
+struct Camera {
+  Vec3f position{0, 0, 5};
+  Vec3f target{0, 0, 0};
+  Vec3f up{0, 1, 0};
+  float vertical_fov_degrees = 40.0f;
+};
+
+struct Scene {
+  std::string name;
+  std::vector<Mesh> meshes;
+  Camera camera;
+
+  std::size_t triangle_count() const;
+  /// Sum over triangles of max(segments, 1).
+  std::size_t primitive_segment_count() const;
+  /// Bytes of all vertex and index buffers.
+  std::size_t buffer_bytes() const;
+  /// Union over all meshes and steps.
+  Box3f bounds() const;
+};
+
+}  // namespace stbvh::harness

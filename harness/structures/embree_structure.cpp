@@ -1,0 +1,53 @@
+#include "harness/structures/embree_structure.h"
+
+#include "harness/structures/build_meter.h"
+#include "harness/structures/embree_rays.h"
+
+namespace stbvh::harness {
+
+EmbreeStructure::EmbreeStructure(const Scene& scene, std::string_view device_options, RTCSceneFlags flags,
+                                 unsigned threads)
+    : device_(device_options, threads) {
+  const BuildMeter meter(threads);
+  scene_ = device_.new_scene(flags);
+  for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
+    const Mesh& mesh = scene.meshes[i];
+    if (mesh.triangle_count() == 0) continue;
+    const GeometryPtr geometry = new_triangle_geometry(device_, mesh, 0, mesh.steps.size(), mesh.time_range);
+    rtcAttachGeometryByID(scene_.get(), geometry.get(), static_cast<unsigned>(i));
+  }
+  rtcCommitScene(scene_.get());
+  device_.check();
+  record_.build_s = meter.seconds();
+  record_.structure_bytes = record_.monitor_bytes = device_.memory().current_bytes();
+  record_.peak_bytes = device_.memory().peak_bytes();
+  record_.resident_bytes = meter.resident_growth();
+}
+
+void EmbreeStructure::intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const {
+  intersect_scene(scene_.get(), rays, hits);
+}
+
+void EmbreeStructure::occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const {
+  occluded_scene(scene_.get(), rays, hits);
+}
+
+void intersect_scene(RTCScene scene, std::span<const Ray> rays, std::span<HitRecord> hits) {
+  RTCIntersectContext context = new_context();
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    RTCRayHit query = to_embree_query(rays[i]);
+    rtcIntersect1(scene, &context, &query);
+    hits[i] = to_hit_record(query);
+  }
+}
+
+void occluded_scene(RTCScene scene, std::span<const Ray> rays, std::span<HitRecord> hits) {
+  RTCIntersectContext context = new_context();
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    RTCRay ray = to_embree(rays[i]);
+    rtcOccluded1(scene, &context, &ray);
+    hits[i] = to_occlusion_record(ray);
+  }
+}
+
+}  // namespace stbvh::harness

@@ -1,0 +1,32 @@
+/// Embree's own motion blur tree, as an application would build it.
+#pragma once
+
+#include <string_view>
+
+#include "harness/structures/embree_device.h"
+#include "harness/structures/structure_under_test.h"
+
+namespace stbvh::harness {
+
+/// Device string with which Embree keeps the vertices of one segment in its leaves ("4v").
+inline constexpr std::string_view kVertexLeaves = "tri_accel_mb=bvh8.triangle4vmb";
+
+class EmbreeStructure final : public StructureUnderTest {
+ public:
+  EmbreeStructure(const Scene& scene, std::string_view device_options, RTCSceneFlags flags, unsigned threads);
+
+  const BuildRecord& build_record() const override { return record_; }
+  void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
+  void occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
+
+ private:
+  EmbreeDevice device_;
+  ScenePtr scene_;
+  BuildRecord record_;
+};
+
+/// Traces `rays` through one Embree scene; geomIDs are taken as they are.
+void intersect_scene(RTCScene scene, std::span<const Ray> rays, std::span<HitRecord> hits);
+void occluded_scene(RTCScene scene, std::span<const Ray> rays, std::span<HitRecord> hits);
+
+}  // namespace stbvh::harness

@@ -1,0 +1,59 @@
+#include "harness/structures/memory_estimate.h"
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <string>
+
+#include "harness/structures/lbvh.h"
+
+namespace stbvh::harness {
+namespace {
+
+// Bytes for each primitive segment, rounded up from the seven scenes of BASELINE.md (57 to 73 final with
+// indexed leaves, 2.07 times that with the vertices in the leaves, and 20 to 80 more while building);
+// `stbvh-ab bench` prints what they are now.
+constexpr double kFinalBytes = 70;
+constexpr double kFinalBytesWithVertices = 140;
+constexpr double kBuildBytes = 60;
+
+std::size_t lbvh_segments(const Scene& scene, std::size_t& largest_window) {
+  const TimeWindows windows(scene);
+  std::size_t total = 0;
+  largest_window = 0;
+  for (std::size_t w = 0; w < windows.count(); ++w) {
+    std::size_t in_window = 0;
+    for (const MeshSegment& s : windows.segments(w)) in_window += scene.meshes[s.mesh].triangle_count();
+    total += in_window;
+    largest_window = std::max(largest_window, in_window);
+  }
+  for (const Mesh& mesh : scene.meshes) total += mesh.is_static() ? mesh.triangle_count() : 0;
+  return total;
+}
+
+}  // namespace
+
+std::size_t estimate_peak_bytes(std::string_view name, const Scene& scene) {
+  const double final_bytes = name.ends_with("-4v") ? kFinalBytesWithVertices : kFinalBytes;
+  double segments = static_cast<double>(scene.primitive_segment_count());
+  double in_work = segments;
+  if (name.starts_with("lbvh")) {
+    std::size_t largest_window = 0;
+    segments = static_cast<double>(lbvh_segments(scene, largest_window));
+    in_work = static_cast<double>(largest_window);
+  }
+  return static_cast<std::size_t>(final_bytes * segments + kBuildBytes * in_work);
+}
+
+std::size_t available_memory_bytes() {
+  std::ifstream file("/proc/meminfo");
+  std::string key;
+  std::size_t kilobytes = 0;
+  while (file >> key >> kilobytes) {
+    if (key == "MemAvailable:") return kilobytes * 1024;
+    file.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  }
+  return std::numeric_limits<std::size_t>::max();
+}
+
+}  // namespace stbvh::harness

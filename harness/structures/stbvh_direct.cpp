@@ -1,0 +1,47 @@
+#include "harness/structures/stbvh_direct.h"
+
+#include "harness/structures/build_meter.h"
+
+namespace stbvh::harness {
+
+StbvhDirect::StbvhDirect(const Scene& scene, unsigned threads) {
+  const BuildMeter meter(threads);
+  std::vector<std::vector<VertexBufferView>> steps(scene.meshes.size());
+  std::vector<MeshView> views;
+  views.reserve(scene.meshes.size());
+  for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
+    const Mesh& mesh = scene.meshes[i];
+    for (const VertexBuffer& step : mesh.steps) {
+      steps[i].push_back({.data = step.data(), .count = step.size(), .stride = sizeof(Vec3f)});
+    }
+    views.push_back({.indices = mesh.indices.data(),
+                     .triangle_count = mesh.triangle_count(),
+                     .index_stride = 3 * sizeof(std::uint32_t),
+                     .steps = steps[i],
+                     .time_range = mesh.time_range,
+                     .mask = mesh.mask,
+                     .geom_id = static_cast<std::uint32_t>(i)});
+  }
+  structure_ = Structure::build(views);
+  record_.build_s = meter.seconds();
+  record_.structure_bytes = structure_->statistics().structure_bytes;
+  record_.peak_bytes = structure_->statistics().peak_bytes;
+  record_.resident_bytes = meter.resident_growth();
+}
+
+void StbvhDirect::intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const {
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    Hit hit;
+    hits[i] = structure_->intersect(rays[i], hit) ? HitRecord{hit.t, hit.geom_id, hit.prim_id}
+                                                  : HitRecord{rays[i].tfar, kInvalidId, kInvalidId};
+  }
+}
+
+void StbvhDirect::occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const {
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const std::uint32_t id = structure_->occluded(rays[i]) ? 0u : kInvalidId;
+    hits[i] = {rays[i].tfar, id, id};
+  }
+}
+
+}  // namespace stbvh::harness

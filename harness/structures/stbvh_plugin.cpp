@@ -1,0 +1,67 @@
+#include "harness/structures/stbvh_plugin.h"
+
+#include <fmt/format.h>
+
+#include <new>
+#include <stdexcept>
+
+#include "harness/structures/build_meter.h"
+#include "harness/structures/embree_structure.h"
+
+namespace stbvh::harness {
+
+StbvhPlugin::StbvhPlugin(const Scene& scene, unsigned threads) : device_("", threads) {
+  const BuildMeter meter(threads);
+  geometry_.reset(stbvhNewGeometry(device_.get()));
+  if (!geometry_) throw std::bad_alloc();
+  for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
+    if (scene.meshes[i].triangle_count() > 0) add_mesh(scene.meshes[i], static_cast<unsigned>(i));
+  }
+  check(stbvhCommitGeometry(geometry_.get()));
+  scene_ = device_.new_scene(RTC_SCENE_FLAG_NONE);
+  rtcAttachGeometry(scene_.get(), stbvhGetGeometry(geometry_.get()));
+  rtcCommitScene(scene_.get());
+  device_.check();
+  record_.build_s = meter.seconds();
+  StbvhStatistics statistics{};
+  statistics.byteSize = sizeof(statistics);
+  check(stbvhGetStatistics(geometry_.get(), &statistics));
+  record_.structure_bytes = statistics.structureBytes;
+  record_.monitor_bytes = device_.memory().current_bytes();
+  record_.peak_bytes = device_.memory().peak_bytes();
+  record_.resident_bytes = meter.resident_growth();
+}
+
+void StbvhPlugin::add_mesh(const Mesh& mesh, unsigned geom_id) {
+  std::vector<const void*> vertices;
+  for (const VertexBuffer& step : mesh.steps) vertices.push_back(step.data());
+  StbvhMeshArguments arguments;
+  stbvhInitMeshArguments(&arguments);
+  arguments.indices = mesh.indices.data();
+  arguments.triangleCount = mesh.triangle_count();
+  arguments.vertices = vertices.data();
+  arguments.vertexCount = mesh.steps.front().size();
+  arguments.stepCount = static_cast<unsigned>(mesh.steps.size());
+  arguments.startTime = mesh.time_range.begin;
+  arguments.endTime = mesh.time_range.end;
+  arguments.mask = mesh.mask;
+  arguments.geomID = geom_id;
+  check(stbvhAddMesh(geometry_.get(), &arguments, nullptr));
+}
+
+void StbvhPlugin::check(RTCError error) const {
+  if (error == RTC_ERROR_NONE) return;
+  if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  throw std::runtime_error(fmt::format("The plugin reports error {}: {}", static_cast<int>(error),
+                                       stbvhGetErrorMessage(geometry_.get())));
+}
+
+void StbvhPlugin::intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const {
+  intersect_scene(scene_.get(), rays, hits);
+}
+
+void StbvhPlugin::occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const {
+  occluded_scene(scene_.get(), rays, hits);
+}
+
+}  // namespace stbvh::harness

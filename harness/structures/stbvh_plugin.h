@@ -1,0 +1,37 @@
+/// Our structure as an application uses it: the plugin's user geometry, attached to a scene of Embree.
+#pragma once
+
+#include <stbvh/stbvh_embree.h>
+
+#include <memory>
+#include <type_traits>
+
+#include "harness/structures/embree_device.h"
+#include "harness/structures/structure_under_test.h"
+
+namespace stbvh::harness {
+
+class StbvhPlugin final : public StructureUnderTest {
+ public:
+  StbvhPlugin(const Scene& scene, unsigned threads);
+
+  const BuildRecord& build_record() const override { return record_; }
+  void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
+  void occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
+
+ private:
+  struct Release {
+    void operator()(StbvhGeometry geometry) const { stbvhReleaseGeometry(geometry); }
+  };
+  using StbvhGeometryPtr = std::unique_ptr<std::remove_pointer_t<StbvhGeometry>, Release>;
+
+  void add_mesh(const Mesh& mesh, unsigned geom_id);
+  void check(RTCError error) const;
+
+  EmbreeDevice device_;
+  StbvhGeometryPtr geometry_;
+  ScenePtr scene_;
+  BuildRecord record_;
+};
+
+}  // namespace stbvh::harness

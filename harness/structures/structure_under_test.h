@@ -1,0 +1,43 @@
+/// A structure that the harness compares: built from a scene, asked with rays, weighed in bytes.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "harness/rays/ray_set.h"
+#include "harness/scenes/scene.h"
+
+namespace stbvh::harness {
+
+struct BuildRecord {
+  double build_s = 0;                 ///< time of building, buffers already in memory
+  std::size_t structure_bytes = 0;    ///< after the build
+  std::size_t monitor_bytes = 0;      ///< after the build, as the Embree device counts; 0 without a device
+  std::size_t peak_bytes = 0;         ///< largest during the build, as the structure's own monitor counts
+  std::ptrdiff_t resident_bytes = 0;  ///< growth of the process's resident memory over the build
+};
+
+class StructureUnderTest {
+ public:
+  virtual ~StructureUnderTest() = default;
+
+  virtual const BuildRecord& build_record() const = 0;
+
+  /// Traces `rays` one by one, in order, on the calling thread; `hits` has the same length.
+  virtual void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const = 0;
+  virtual void occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const = 0;
+};
+
+/// Names of all structures, in the order in which tables print them.
+std::vector<std::string_view> structure_names();
+
+/// Builds the structure `name` over `scene`, which must outlive it, with `threads` build threads (0: all).
+/// Throws std::invalid_argument for an unknown name.
+std::unique_ptr<StructureUnderTest> build_structure(std::string_view name, const Scene& scene,
+                                                    unsigned threads);
+
+}  // namespace stbvh::harness

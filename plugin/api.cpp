@@ -1,0 +1,150 @@
+/// The C functions: argument checks, reference counts, and exceptions turned into error codes.
+#include <atomic>
+#include <exception>
+#include <new>
+#include <string>
+
+#include "plugin/geometry.h"
+
+struct StbvhGeometryTy {
+  explicit StbvhGeometryTy(RTCDevice device) : geometry(device) {}
+
+  std::atomic<std::size_t> references{1};
+  std::string error_message;
+  stbvh::plugin::Geometry geometry;
+};
+
+namespace {
+
+using stbvh::plugin::ApiError;
+using stbvh::plugin::MeshDescription;
+
+RTCError remember(StbvhGeometry handle, RTCError code, const char* message) noexcept {
+  try {
+    handle->error_message = message;
+  } catch (const std::bad_alloc&) {
+    handle->error_message.clear();
+  }
+  return code;
+}
+
+/// Runs `function` on the handle; whatever it throws becomes a code and a message.
+template <typename Function>
+RTCError guarded(StbvhGeometry handle, Function&& function) noexcept {
+  if (handle == nullptr) return RTC_ERROR_INVALID_ARGUMENT;
+  try {
+    function(handle->geometry);
+    return RTC_ERROR_NONE;
+  } catch (const ApiError& error) {
+    return remember(handle, error.code(), error.what());
+  } catch (const std::bad_alloc&) {
+    return remember(handle, RTC_ERROR_OUT_OF_MEMORY, "out of memory, or the device's memory monitor refused");
+  } catch (const std::exception& error) {
+    return remember(handle, RTC_ERROR_UNKNOWN, error.what());
+  } catch (...) {
+    return remember(handle, RTC_ERROR_UNKNOWN, "unknown exception");
+  }
+}
+
+void require(const void* pointer, const char* name) {
+  if (pointer == nullptr) throw ApiError(RTC_ERROR_INVALID_ARGUMENT, std::string(name) + " is null");
+}
+
+MeshDescription& mesh_at(stbvh::plugin::Geometry& geometry, unsigned index) {
+  if (index >= geometry.meshes().size()) {
+    throw ApiError(RTC_ERROR_INVALID_ARGUMENT, "meshIndex is " + std::to_string(index) + ", but there are " +
+                                                   std::to_string(geometry.meshes().size()) + " meshes");
+  }
+  return geometry.meshes()[index];
+}
+
+template <typename Struct>
+void require_size(const Struct& value, const char* name) {
+  if (value.byteSize != sizeof(Struct)) {
+    throw ApiError(RTC_ERROR_INVALID_ARGUMENT,
+                   std::string(name) + "->byteSize is not that of this library's header");
+  }
+}
+
+}  // namespace
+
+extern "C" {
+
+StbvhGeometry stbvhNewGeometry(RTCDevice device) {
+  if (device == nullptr) return nullptr;
+  try {
+    return new StbvhGeometryTy(device);
+  } catch (const std::exception&) {
+    return nullptr;
+  }
+}
+
+void stbvhRetainGeometry(StbvhGeometry geometry) {
+  if (geometry != nullptr) geometry->references.fetch_add(1, std::memory_order_relaxed);
+}
+
+void stbvhReleaseGeometry(StbvhGeometry geometry) {
+  if (geometry == nullptr) return;
+  if (geometry->references.fetch_sub(1, std::memory_order_acq_rel) == 1) delete geometry;
+}
+
+RTCError stbvhAddMesh(StbvhGeometry geometry, const StbvhMeshArguments* arguments, unsigned* meshIndex) {
+  return guarded(geometry, [&](stbvh::plugin::Geometry& g) {
+    require(arguments, "arguments");
+    const auto index = static_cast<unsigned>(g.meshes().size());
+    g.meshes().emplace_back(*arguments);
+    if (meshIndex != nullptr) *meshIndex = index;
+  });
+}
+
+RTCError stbvhSetMesh(StbvhGeometry geometry, unsigned meshIndex, const StbvhMeshArguments* arguments) {
+  return guarded(geometry, [&](stbvh::plugin::Geometry& g) {
+    require(arguments, "arguments");
+    mesh_at(g, meshIndex) = MeshDescription(*arguments);
+  });
+}
+
+RTCError stbvhGetMesh(StbvhGeometry geometry, unsigned meshIndex, StbvhMeshArguments* arguments) {
+  return guarded(geometry, [&](stbvh::plugin::Geometry& g) {
+    require(arguments, "arguments");
+    require_size(*arguments, "arguments");
+    *arguments = mesh_at(g, meshIndex).arguments();
+  });
+}
+
+unsigned stbvhGetMeshCount(StbvhGeometry geometry) {
+  return geometry == nullptr ? 0 : static_cast<unsigned>(geometry->geometry.meshes().size());
+}
+
+RTCError stbvhSetProgressFunction(StbvhGeometry geometry, RTCProgressMonitorFunction progress,
+                                  void* userPtr) {
+  return guarded(geometry, [&](stbvh::plugin::Geometry& g) { g.set_progress(progress, userPtr); });
+}
+
+RTCError stbvhCommitGeometry(StbvhGeometry geometry) {
+  return guarded(geometry, [](stbvh::plugin::Geometry& g) { g.commit(); });
+}
+
+RTCGeometry stbvhGetGeometry(StbvhGeometry geometry) {
+  return geometry == nullptr ? nullptr : geometry->geometry.rtc_geometry();
+}
+
+RTCError stbvhGetStatistics(StbvhGeometry geometry, StbvhStatistics* statistics) {
+  return guarded(geometry, [&](stbvh::plugin::Geometry& g) {
+    require(statistics, "statistics");
+    require_size(*statistics, "statistics");
+    const stbvh::BuildStatistics* const built = g.statistics();
+    const stbvh::BuildStatistics values = built == nullptr ? stbvh::BuildStatistics{} : *built;
+    statistics->triangles = values.triangles;
+    statistics->invalidTriangles = values.invalid_triangles;
+    statistics->primitiveSegments = values.primitive_segments;
+    statistics->structureBytes = values.structure_bytes;
+    statistics->peakBytes = values.peak_bytes;
+  });
+}
+
+const char* stbvhGetErrorMessage(StbvhGeometry geometry) {
+  return geometry == nullptr ? "geometry is null" : geometry->error_message.c_str();
+}
+
+}  // extern "C"

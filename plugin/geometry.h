@@ -1,0 +1,49 @@
+/// The set of meshes behind an StbvhGeometry, its tree and its RTCGeometry.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "plugin/mesh_description.h"
+#include "plugin/published.h"
+
+namespace stbvh::plugin {
+
+class TemporaryMemory;
+
+/// Errors are thrown: ApiError, or std::bad_alloc.
+class Geometry {
+ public:
+  /// Retains `device`, which must not be null.
+  explicit Geometry(RTCDevice device);
+  /// Leaves the RTCGeometry empty to whoever still holds it.
+  ~Geometry();
+  Geometry(const Geometry&) = delete;
+  Geometry& operator=(const Geometry&) = delete;
+
+  RTCGeometry rtc_geometry() const { return rtc_geometry_; }
+
+  std::vector<MeshDescription>& meshes() { return meshes_; }
+
+  void set_progress(RTCProgressMonitorFunction progress, void* user_ptr);
+
+  /// Builds the tree and commits the RTCGeometry. On an exception the geometry is empty, and committed so.
+  void commit();
+
+  /// Of the tree in use, or null.
+  const BuildStatistics* statistics() const;
+
+ private:
+  std::unique_ptr<Published> build(TemporaryMemory& temporary_memory) const;
+  BuildCallbacks build_callbacks(TemporaryMemory& temporary_memory) const;
+  void publish(const Published& published);
+
+  RTCDevice device_;
+  RTCGeometry rtc_geometry_ = nullptr;
+  std::vector<MeshDescription> meshes_;
+  RTCProgressMonitorFunction progress_ = nullptr;
+  void* progress_user_ptr_ = nullptr;
+  std::unique_ptr<Published> published_;
+};
+
+}  // namespace stbvh::plugin

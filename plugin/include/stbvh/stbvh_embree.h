@@ -1,0 +1,205 @@
+/**
+ * STBVH for Embree 3: triangle meshes with multi-segment motion blur, in a tree of their own, as a user
+ * geometry.
+ *
+ *   StbvhGeometry g = stbvhNewGeometry(device);
+ *   struct StbvhMeshArguments mesh;
+ *   stbvhInitMeshArguments(&mesh);
+ *   mesh.indices = ...; mesh.vertices = ...; mesh.stepCount = 9; ...
+ *   stbvhAddMesh(g, &mesh, NULL);
+ *   stbvhCommitGeometry(g);
+ *   rtcAttachGeometry(scene, stbvhGetGeometry(g));
+ *   rtcCommitScene(scene);
+ *   ... rtcIntersect1(scene, ...) ...
+ *   stbvhReleaseGeometry(g);
+ *
+ * C99 and C++. What is answered in which query: docs/api.md.
+ *
+ * Errors. Functions return an RTCError; the reason, as one sentence, is kept by the handle
+ * (stbvhGetErrorMessage). No function aborts or throws on bad input. Where Embree itself refuses memory, the
+ * device's error is set as well.
+ *
+ * Lifetime. Embree 3 does not tell anybody that a user geometry has died, so the handle owns the tree:
+ *   - Keep a reference to the StbvhGeometry for as long as rays shall hit it.
+ *   - The RTCGeometry may outlive the handle, for instance in a scene that is released later. From the last
+ *     stbvhReleaseGeometry on it hits nothing and has empty bounds; querying, committing and releasing that
+ * scene stays safe.
+ *   - Index and vertex buffers belong to the application. They must stay alive and unchanged from
+ *     stbvhCommitGeometry until the next stbvhCommitGeometry begins or the last reference is released.
+ *
+ * Threads. Queries run on any number of threads at once. Retain and release are atomic. All other functions
+ * on one handle are for one thread at a time, and, like the last release, not while a scene that holds the
+ * geometry is queried or committed. Different handles are independent.
+ */
+#ifndef STBVH_EMBREE_H
+#define STBVH_EMBREE_H
+
+#include <embree3/rtcore.h>
+#include <stddef.h>
+
+#if defined(__GNUC__)
+#define STBVH_API __attribute__((visibility("default")))
+#else
+#define STBVH_API
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Most steps of a mesh, as in Embree. */
+#define STBVH_MAX_STEP_COUNT RTC_MAX_TIME_STEP_COUNT
+
+/** Handle of a set of meshes with one tree over them; reference counted. */
+typedef struct StbvhGeometryTy* StbvhGeometry;
+
+/**
+ * A triangle mesh. Fill in with stbvhInitMeshArguments first.
+ *
+ * The arrays `vertices` and `vertexByteStrides` are copied by the call they are given to; the buffers they
+ * point to are shared, read at commit and during queries, and never written. All pointers and strides are
+ * multiples of 4 bytes; 12 bytes are read at each vertex and each triangle, no padding is needed behind the
+ * last.
+ *
+ * A triangle with an index >= vertexCount, or with a vertex that in some step is not finite or not smaller
+ * than 1.844e18, is left out for all times, as Embree does.
+ */
+struct StbvhMeshArguments {
+  size_t byteSize; /**< sizeof(struct StbvhMeshArguments), set by stbvhInitMeshArguments */
+
+  const void*
+      indices; /**< three unsigned 32-bit vertex indices for each triangle; may be null without triangles */
+  size_t indexByteStride; /**< bytes from one triangle to the next, >= 12; default 12 */
+  size_t triangleCount;   /**< default 0 */
+
+  const void* const* vertices; /**< stepCount pointers to x, y, z floats */
+  size_t vertexByteStride;     /**< bytes from one vertex to the next, >= 12; default 12 */
+  const size_t*
+      vertexByteStrides;  /**< stepCount strides, one for each step; null (default): vertexByteStride */
+  size_t vertexCount;     /**< vertices in each step; default 0 */
+  unsigned int stepCount; /**< 1 (static; default) to STBVH_MAX_STEP_COUNT, equidistant in the time range */
+
+  float startTime; /**< ray time of the first step; default 0 */
+  float endTime; /**< ray time of the last step, > startTime; default 1. A mesh with several steps is not hit
+                      outside [startTime, endTime]; a static one is hit at all times, as in Embree. */
+
+  unsigned int mask;   /**< hit by rays with (ray.mask & mask) != 0; default 0xFFFFFFFF */
+  unsigned int geomID; /**< reported in hits; RTC_INVALID_GEOMETRY_ID (default): the ID under which the
+                          geometry is attached */
+  void* userPtr;       /**< geometryUserPtr of this mesh's filters; default null */
+  RTCFilterFunctionN intersectFilter; /**< as rtcSetGeometryIntersectFilterFunction; default null */
+  RTCFilterFunctionN occludedFilter;  /**< as rtcSetGeometryOccludedFilterFunction; default null */
+};
+
+/** Fills in the defaults stated at struct StbvhMeshArguments. */
+static inline void stbvhInitMeshArguments(struct StbvhMeshArguments* arguments) {
+  arguments->byteSize = sizeof(struct StbvhMeshArguments);
+  arguments->indices = NULL;
+  arguments->indexByteStride = 3 * sizeof(unsigned int);
+  arguments->triangleCount = 0;
+  arguments->vertices = NULL;
+  arguments->vertexByteStride = 3 * sizeof(float);
+  arguments->vertexByteStrides = NULL;
+  arguments->vertexCount = 0;
+  arguments->stepCount = 1;
+  arguments->startTime = 0.0f;
+  arguments->endTime = 1.0f;
+  arguments->mask = 0xFFFFFFFFu;
+  arguments->geomID = RTC_INVALID_GEOMETRY_ID;
+  arguments->userPtr = NULL;
+  arguments->intersectFilter = NULL;
+  arguments->occludedFilter = NULL;
+}
+
+/** What the last successful commit built. */
+struct StbvhStatistics {
+  size_t byteSize;          /**< sizeof(struct StbvhStatistics), set by the caller */
+  size_t triangles;         /**< valid triangles */
+  size_t invalidTriangles;  /**< triangles left out */
+  size_t primitiveSegments; /**< sum over valid triangles of max(stepCount - 1, 1) */
+  size_t structureBytes;    /**< nodes, leaves and mesh table */
+  size_t peakBytes;         /**< structure and temporary memory of the build at their largest */
+};
+
+/**
+ * Creates an empty geometry with one reference. The device is retained until the handle dies.
+ * Returns null for a null device or without memory.
+ */
+STBVH_API StbvhGeometry stbvhNewGeometry(RTCDevice device);
+
+/** Adds a reference. Null is ignored. */
+STBVH_API void stbvhRetainGeometry(StbvhGeometry geometry);
+
+/** Drops a reference; the last one frees the tree (see Lifetime above). Null is ignored. */
+STBVH_API void stbvhReleaseGeometry(StbvhGeometry geometry);
+
+/**
+ * Adds a mesh; it takes effect at the next commit. Its index (0, 1, 2, ... in the order of the calls) is
+ * stored to `meshIndex` unless that is null. RTC_ERROR_INVALID_ARGUMENT, and nothing added: arguments null,
+ * not initialised or from a newer header; no steps or more than STBVH_MAX_STEP_COUNT; a buffer missing or
+ * misaligned; a stride too small or misaligned; times not finite or startTime >= endTime.
+ */
+STBVH_API enum RTCError stbvhAddMesh(StbvhGeometry geometry, const struct StbvhMeshArguments* arguments,
+                                     unsigned int* meshIndex);
+
+/**
+ * Replaces a mesh; errors as in stbvhAddMesh, then the mesh stays as it was. It takes effect at the next
+ * commit, also a change of mask, IDs or filters alone. A mesh whose buffers changed in place needs no call
+ * but the commit. To hide a mesh give it triangleCount 0 or mask 0.
+ */
+STBVH_API enum RTCError stbvhSetMesh(StbvhGeometry geometry, unsigned int meshIndex,
+                                     const struct StbvhMeshArguments* arguments);
+
+/**
+ * Reads back a mesh, to change some members and give it to stbvhSetMesh. The arrays `vertices` and
+ * `vertexByteStrides` belong to the handle and are valid until the mesh is set again.
+ */
+STBVH_API enum RTCError stbvhGetMesh(StbvhGeometry geometry, unsigned int meshIndex,
+                                     struct StbvhMeshArguments* arguments);
+
+/** Number of meshes added; 0 for null. */
+STBVH_API unsigned int stbvhGetMeshCount(StbvhGeometry geometry);
+
+/**
+ * Sets a function that stbvhCommitGeometry calls with the fraction done, 0 to 1, never decreasing, one call
+ * at a time but possibly on a worker thread. Returning false cancels the build. Null (default): none.
+ */
+STBVH_API enum RTCError stbvhSetProgressFunction(StbvhGeometry geometry, RTCProgressMonitorFunction progress,
+                                                 void* userPtr);
+
+/**
+ * Builds the tree over all meshes and commits the RTCGeometry; scenes that hold it need rtcCommitScene
+ * afterwards, as after rtcCommitGeometry. The old tree is freed first, so that there is never memory for two.
+ *
+ * All memory is allocated through rtcNewBuffer, so the device's memory monitor is told of every byte, and the
+ * temporary memory of the build is announced to it in the same way, in blocks of 1 MB and more.
+ *
+ * RTC_ERROR_OUT_OF_MEMORY: no memory, or the monitor refused; RTC_ERROR_CANCELLED: the progress function
+ * returned false; RTC_ERROR_UNKNOWN: anything else. After an error the geometry is empty (it hits nothing)
+ * until a commit succeeds, and all memory has been given back.
+ */
+STBVH_API enum RTCError stbvhCommitGeometry(StbvhGeometry geometry);
+
+/**
+ * The geometry to attach: RTC_GEOMETRY_TYPE_USER with one primitive. Any number of scenes may hold it, also
+ * scenes that are instanced. The reference is borrowed: rtcRetainGeometry it to keep it beyond the handle.
+ *
+ * The handle sets its time steps, time range, mask, user data and callbacks; the application must not. It may
+ * attach, detach, enable and disable it.
+ */
+STBVH_API RTCGeometry stbvhGetGeometry(StbvhGeometry geometry);
+
+/** What was built; all zero before the first commit and after a failed one. */
+STBVH_API enum RTCError stbvhGetStatistics(StbvhGeometry geometry, struct StbvhStatistics* statistics);
+
+/**
+ * Why the last failing call on this handle failed, in one sentence; "" if none did. Valid until the next call
+ * on the handle. For a null handle it says so.
+ */
+STBVH_API const char* stbvhGetErrorMessage(StbvhGeometry geometry);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,89 @@
+#include "plugin/mesh_description.h"
+
+#include <cmath>
+#include <cstdint>
+
+namespace stbvh::plugin {
+namespace {
+
+[[noreturn]] void refuse(const std::string& message) {
+  throw ApiError(RTC_ERROR_INVALID_ARGUMENT, message);
+}
+
+bool is_aligned(const void* pointer) {
+  return reinterpret_cast<std::uintptr_t>(pointer) % alignof(float) == 0;
+}
+
+void check_stride(std::size_t stride, const std::string& name) {
+  if (stride < 12 || stride % 4 != 0) {
+    refuse(name + " must be a multiple of 4 and at least 12, not " + std::to_string(stride));
+  }
+}
+
+void check_indices(const StbvhMeshArguments& arguments) {
+  check_stride(arguments.indexByteStride, "indexByteStride");
+  if (arguments.triangleCount > 0 && arguments.indices == nullptr) {
+    refuse("indices is null, but triangleCount is " + std::to_string(arguments.triangleCount));
+  }
+  if (!is_aligned(arguments.indices)) refuse("indices must be aligned to 4 bytes");
+  if (arguments.triangleCount > UINT32_MAX) refuse("triangleCount must fit into 32 bits");
+}
+
+void check_steps(const StbvhMeshArguments& arguments) {
+  if (arguments.stepCount < 1 || arguments.stepCount > STBVH_MAX_STEP_COUNT) {
+    refuse("stepCount must be 1 to 129, not " + std::to_string(arguments.stepCount));
+  }
+  if (!std::isfinite(arguments.startTime) || !std::isfinite(arguments.endTime)) {
+    refuse("startTime and endTime must be finite");
+  }
+  if (!(arguments.startTime < arguments.endTime)) refuse("startTime must be smaller than endTime");
+  if (!std::isfinite(arguments.endTime - arguments.startTime))
+    refuse("the time range is too long for a float");
+  if (arguments.vertexCount > UINT32_MAX) refuse("vertexCount must fit into 32 bits");
+  if (arguments.vertices == nullptr && arguments.vertexCount > 0) refuse("vertices is null");
+}
+
+}  // namespace
+
+MeshDescription::MeshDescription(const StbvhMeshArguments& arguments) : arguments_(arguments) {
+  if (arguments.byteSize != sizeof(StbvhMeshArguments)) {
+    refuse("byteSize is " + std::to_string(arguments.byteSize) + ", not " +
+           std::to_string(sizeof(StbvhMeshArguments)) +
+           ": call stbvhInitMeshArguments, of the header that belongs to this library");
+  }
+  check_indices(arguments);
+  check_steps(arguments);
+  for (unsigned step = 0; step < arguments.stepCount; ++step) {
+    const std::string name = '[' + std::to_string(step) + ']';
+    const void* data = arguments.vertices == nullptr ? nullptr : arguments.vertices[step];
+    const std::size_t stride = arguments.vertexByteStrides == nullptr ? arguments.vertexByteStride
+                                                                      : arguments.vertexByteStrides[step];
+    check_stride(stride,
+                 arguments.vertexByteStrides == nullptr ? "vertexByteStride" : "vertexByteStrides" + name);
+    if (data == nullptr && arguments.vertexCount > 0) refuse("vertices" + name + " is null");
+    if (!is_aligned(data)) refuse("vertices" + name + " must be aligned to 4 bytes");
+    vertices_.push_back(data);
+    strides_.push_back(stride);
+    steps_.push_back({data, arguments.vertexCount, stride});
+  }
+}
+
+StbvhMeshArguments MeshDescription::arguments() const {
+  StbvhMeshArguments result = arguments_;
+  result.vertices = vertices_.data();
+  result.vertexByteStrides = strides_.data();
+  return result;
+}
+
+MeshView MeshDescription::view() const {
+  MeshView view;
+  view.indices = arguments_.indices;
+  view.triangle_count = arguments_.triangleCount;
+  view.index_stride = arguments_.indexByteStride;
+  view.steps = steps_;
+  view.time_range = {arguments_.startTime, arguments_.endTime};
+  view.mask = arguments_.mask;
+  return view;
+}
+
+}  // namespace stbvh::plugin

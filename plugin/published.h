@@ -1,0 +1,31 @@
+/// What the callbacks of a user geometry see: one immutable snapshot for each commit.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "plugin/mesh_description.h"
+#include "plugin/motion_grid.h"
+#include "stbvh/structure.h"
+
+namespace stbvh::plugin {
+
+/// The part of a mesh that is needed after the kernels have found a hit on it.
+struct PublishedMesh {
+  unsigned geom_id;  ///< RTC_INVALID_GEOMETRY_ID: the one the callback is given
+  void* user_ptr;
+  RTCFilterFunctionN intersect_filter;
+  RTCFilterFunctionN occluded_filter;
+};
+
+/// The user data of the RTCGeometry points to one of these. Without a structure it is empty and hits nothing.
+struct Published {
+  std::vector<MeshDescription> descriptions;  ///< the views that the structure was built from point in here
+  std::vector<PublishedMesh> meshes;
+  bool has_intersect_filters = false;
+  bool has_occluded_filters = false;
+  MotionGrid grid{{0.0f, 1.0f}, {Box3f::empty()}};
+  std::unique_ptr<Structure> structure;
+};
+
+}  // namespace stbvh::plugin

@@ -1,0 +1,138 @@
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "harness/cli/closest_name.h"
+
+namespace stbvh::harness {
+namespace {
+
+struct Run {
+  int exit_code;
+  std::string out;  ///< stdout and stderr
+};
+
+/// Runs the built program.
+Run stbvh_ab(const std::string& arguments) {
+  const std::string command = std::string(STBVH_AB) + " " + arguments + " 2>&1";
+  FILE* pipe = popen(command.c_str(), "r");
+  Run run{-1, ""};
+  char buffer[4096];
+  while (const std::size_t n = fread(buffer, 1, sizeof(buffer), pipe)) run.out.append(buffer, n);
+  const int status = pclose(pipe);
+  if (WIFEXITED(status)) run.exit_code = WEXITSTATUS(status);
+  return run;
+}
+
+class Refused : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Refused, WithOneLineAndExitCodeTwo) {
+  const Run run = stbvh_ab(GetParam());
+  EXPECT_EQ(run.exit_code, 2) << run.out;
+  EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 1) << run.out;
+  EXPECT_TRUE(run.out.starts_with("stbvh-ab: ")) << run.out;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    CommandLines, Refused,
+    ::testing::Values("", "no-such-command", "bench", "bench --scenes", "bench --scenes no-such",
+                      "bench --scenes ''", "bench --scenes no-such.glb",
+                      "bench --scenes wheels --structures stbhv", "bench --scenes wheels --rays sideways",
+                      "bench --scenes wheels --scale 0", "bench --scenes wheels --scale -1",
+                      "bench --scenes wheels --scale nan", "bench --scenes wheels --scale inf",
+                      "bench --scenes wheels --scale 1e30", "bench --scenes wheels --scale abc",
+                      "bench --scenes wheels --repeats 0", "bench --scenes wheels --repeats -3",
+                      "bench --scenes wheels --repeats 1.5", "bench --scenes wheels --threads 0",
+                      "bench --scenes wheels --threads 100000", "bench --scenes wheels --count 0",
+                      "bench --scenes wheels --count 1000000000000", "bench --scenes wheels --seed x",
+                      "bench --scenes wheels --build-budget nan", "bench --scenes wheels --build-budget -1",
+                      "bench --scenes wheels --json /no/such/directory/a.json",
+                      "bench --scenes wheels --json /tmp", "error --scenes wheels --json /proc/a.json",
+                      "error --scenes wheels --no-such-option", "error --scenes wheels --repeats 3",
+                      "error --scenes a.glb --steps 0", "error --scenes a.glb --steps 130",
+                      "error --scenes a.glb --shutter 1", "error --scenes a.glb --shutter 1,0",
+                      "error --scenes a.glb --shutter 0,nan", "picture --scenes wheels",
+                      "picture --scenes wheels -o /proc/none", "picture --scenes wheels -o /tmp --size 0x5",
+                      "picture --scenes wheels -o /tmp --size 5", "picture --scenes wheels -o /tmp --spp 0"));
+
+TEST(Program, SuggestsTheClosestName) {
+  EXPECT_NE(stbvh_ab("bench --scenes wheals").out.find("did you mean \"wheels\""), std::string::npos);
+  EXPECT_NE(stbvh_ab("bench --scenes wheels --structures stbhv").out.find("did you mean \"stbvh\""),
+            std::string::npos);
+}
+
+TEST(Program, ListsAndHelps) {
+  const Run list = stbvh_ab("list");
+  EXPECT_EQ(list.exit_code, 0);
+  for (const char* name : {"barbershop", "static-city", "stbvh-direct", "lbvh-4v", "uniform"}) {
+    EXPECT_NE(list.out.find(name), std::string::npos) << name;
+  }
+  EXPECT_EQ(stbvh_ab("--help").exit_code, 0);
+  EXPECT_EQ(stbvh_ab("bench --help").exit_code, 0);
+  EXPECT_EQ(stbvh_ab("--version").exit_code, 0);
+}
+
+TEST(Program, FullDiskIsReportedAfterTheTable) {
+  const Run run = stbvh_ab(
+      "error --scenes wheels --scale 0.01 --structures embree --count 100 --rays primary --json /dev/full");
+  EXPECT_EQ(run.exit_code, 2) << run.out;
+  EXPECT_NE(run.out.find("Cannot write to \"/dev/full\""), std::string::npos) << run.out;
+}
+
+class Records : public ::testing::Test {
+ protected:
+  void TearDown() override { std::filesystem::remove(file_); }
+
+  nlohmann::json records(const std::string& arguments) const {
+    const Run run = stbvh_ab(arguments + " --json " + file_.string());
+    EXPECT_EQ(run.exit_code, 0) << run.out;
+    std::ifstream stream(file_);
+    return nlohmann::json::parse(stream).at("records");
+  }
+
+  const std::filesystem::path file_ =
+      std::filesystem::temp_directory_path() / ("stbvh_cli_test_" + std::to_string(getpid()) + ".json");
+};
+
+TEST_F(Records, OfBenchHoldEveryStructureAndKind) {
+  const auto all = records(
+      "bench --scenes wheels,cloth --scale 0.02 --structures stbvh,lbvh --rays bounce,shadow --count 500 "
+      "--repeats 2 --build-budget 0");
+  // embree joins as the reference
+  EXPECT_EQ(all.size(), 2u * (3u + 3u * 2u));
+  for (const auto& r : all) {
+    if (r["kind"] != "speed") continue;
+    EXPECT_GT(r["mrays_per_s"], 0.0);
+    EXPECT_LE(r["mrays_per_s_min"], r["mrays_per_s"]);
+    EXPECT_GE(r["mrays_per_s_max"], r["mrays_per_s"]);
+    if (r["structure"] == "embree") EXPECT_EQ(r["ratio_to_embree"], 1.0);
+  }
+}
+
+TEST_F(Records, OfErrorFindNoneInOurs) {
+  const auto all = records("error --scenes wheels --scale 0.05 --structures stbvh,stbvh-direct --count 2000");
+  ASSERT_EQ(all.size(), 8u);
+  for (const auto& r : all) {
+    EXPECT_EQ(r["traced"], 2000);
+    EXPECT_EQ(r["missed"], 0);
+    EXPECT_EQ(r["false_hits"], 0);
+    EXPECT_EQ(r["wrong_primitive"], 0);
+  }
+}
+
+TEST(ClosestName, FewestEdits) {
+  const std::string_view names[]{"embree", "lbvh", "stbvh"};
+  EXPECT_EQ(closest_name("embre", names), "embree");
+  EXPECT_EQ(closest_name("lbhv", names), "lbvh");
+  EXPECT_EQ(closest_name("st", names), "stbvh");
+}
+
+}  // namespace
+}  // namespace stbvh::harness

@@ -1,0 +1,512 @@
+/// load_gltf() against positions that others computed, and against files that are wrong in every way.
+#include "harness/scenes/gltf/gltf.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace stbvh::harness {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+const fs::path kData = fs::path(STBVH_SOURCE_DIR) / "data";
+const fs::path kAssets = fs::path(STBVH_SOURCE_DIR) / "../shared/assets";
+constexpr double kTolerance = 2e-6;  ///< of the diagonal
+
+std::string read_file(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+}
+
+template <class T>
+std::vector<T> as_vector(std::string_view bytes) {
+  std::vector<T> values(bytes.size() / sizeof(T));
+  std::memcpy(values.data(), bytes.data(), values.size() * sizeof(T));
+  return values;
+}
+
+template <class T>
+std::string as_bytes(const std::vector<T>& values) {
+  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
+}
+
+/// A folder that is gone after the test.
+class GltfTest : public testing::Test {
+ protected:
+  GltfTest() {
+    const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info();
+    folder =
+        fs::path(testing::TempDir()) / ("gltf_" + std::string(info->name()) + "_" + std::to_string(getpid()));
+    fs::create_directories(folder);
+  }
+  ~GltfTest() override {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+  }
+
+  fs::path write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(folder / name, std::ios::binary) << bytes;
+    return folder / name;
+  }
+
+  fs::path folder;
+};
+
+/// The message with which a file is refused; empty if it loads. It names the file and is one line.
+std::string refusal(const fs::path& file, const GltfOptions& options = {}) {
+  try {
+    load_gltf(file, options);
+  } catch (const SceneFileError& error) {
+    const std::string message = error.what();
+    EXPECT_TRUE(message.starts_with(file.string() + ": ")) << message;
+    EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+    return message.substr(std::min(message.size(), file.string().size() + 2));
+  }
+  return {};
+}
+
+void expect_refused(const fs::path& file, const std::string& because, const GltfOptions& options = {}) {
+  EXPECT_NE(refusal(file, options).find(because), std::string::npos)
+      << "said: " << refusal(file, options) << "\nshould say: " << because;
+}
+
+std::string glb(const json& document, std::string binary) {
+  std::string text = document.dump();
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  binary.resize((binary.size() + 3) / 4 * 4, '\0');
+  const auto u32 = [](std::size_t n) { return as_bytes<std::uint32_t>({static_cast<std::uint32_t>(n)}); };
+  return "glTF" + u32(2) + u32(28 + text.size() + binary.size()) + u32(text.size()) + "JSON" + text +
+         u32(binary.size()) + std::string("BIN\0", 4) + binary;
+}
+
+/// One node with one mesh: a square of four vertices, and what a test adds to it.
+struct Document {
+  json root = json::parse(R"({"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+      "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}]})");
+  std::string binary;
+
+  Document() {
+    add<float>("VEC3", 5126, {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0});
+    add<std::uint16_t>("SCALAR", 5123, {0, 1, 2, 0, 2, 3});
+  }
+
+  template <class T>
+  int add(const std::string& type, int component_type, const std::vector<T>& values,
+          bool normalized = false) {
+    const std::size_t width = type == "SCALAR" ? 1 : type == "VEC3" ? 3 : 4;
+    binary.resize((binary.size() + 3) / 4 * 4, '\0');
+    root["bufferViews"].push_back(
+        {{"buffer", 0}, {"byteOffset", binary.size()}, {"byteLength", values.size() * sizeof(T)}});
+    root["accessors"].push_back({{"bufferView", root["bufferViews"].size() - 1},
+                                 {"componentType", component_type},
+                                 {"normalized", normalized},
+                                 {"count", values.size() / width},
+                                 {"type", type}});
+    binary += as_bytes(values);
+    root["buffers"] = {{{"byteLength", binary.size()}}};
+    return static_cast<int>(root["accessors"].size()) - 1;
+  }
+
+  json& primitive() { return root["meshes"][0]["primitives"][0]; }
+  std::string bytes() const { return glb(root, binary); }
+};
+
+/// Compares all meshes, one behind the other, with [step][vertex][xyz] and triangles into that list.
+void expect_matches(const Scene& scene, std::size_t steps, const std::vector<float>& positions,
+                    const std::vector<std::uint32_t>& triangles, double diagonal) {
+  const std::size_t vertices = positions.size() / 3 / steps;
+  std::vector<std::uint32_t> indices;
+  std::size_t first = 0;
+  double worst = 0;
+  for (const Mesh& mesh : scene.meshes) {
+    for (const std::uint32_t index : mesh.indices)
+      indices.push_back(static_cast<std::uint32_t>(first) + index);
+    const std::size_t count = mesh.steps.front().size();
+    ASSERT_LE(first + count, vertices);
+    ASSERT_TRUE(mesh.steps.size() == 1 || mesh.steps.size() == steps);
+    for (std::size_t s = 0; s < steps; ++s) {
+      const VertexBuffer& step = mesh.steps[mesh.is_static() ? 0 : s];
+      ASSERT_EQ(step.size(), count);
+      for (std::size_t v = 0; v < count; ++v) {
+        const float* p = &positions[3 * (s * vertices + first + v)];
+        const auto difference = [](float a, float b) {
+          return std::abs(static_cast<double>(a) - static_cast<double>(b));
+        };
+        const double far =
+            std::hypot(difference(step[v].x, p[0]), difference(step[v].y, p[1]), difference(step[v].z, p[2]));
+        ASSERT_FALSE(std::isnan(far));
+        worst = std::max(worst, far);
+      }
+    }
+    first += count;
+  }
+  EXPECT_EQ(first, vertices);
+  EXPECT_EQ(indices, triangles);
+  EXPECT_LE(worst, kTolerance * diagonal);
+  testing::Test::RecordProperty("worst_share_of_diagonal", std::to_string(worst / diagonal));
+  std::printf("  worst distance: %.2g of the diagonal\n", worst / diagonal);
+}
+
+class ReferenceTest : public testing::TestWithParam<const char*> {};
+
+TEST_P(ReferenceTest, PositionsMatch) {
+  const fs::path reference = kAssets / "reference" / GetParam();
+  if (!fs::exists(reference.string() + ".json")) GTEST_SKIP() << "no reference in " << reference;
+  const json info = json::parse(read_file(reference.string() + ".json"));
+  GltfOptions options;
+  options.clip = std::to_string(info["animationIndex"].get<int>());
+  options.shutter_seconds = TimeRange{info["t0"].get<float>(), info["t1"].get<float>()};
+  options.steps = info["steps"].get<std::size_t>();
+  const Scene scene = load_gltf(kAssets / info["file"].get<std::string>(), options);
+  EXPECT_EQ(scene.triangle_count(), info["triangles"].get<std::size_t>());
+  expect_matches(scene, options.steps, as_vector<float>(read_file(reference.string() + ".pos.bin")),
+                 as_vector<std::uint32_t>(read_file(reference.string() + ".tri.bin")),
+                 info["bboxDiagonal"].get<double>());
+}
+
+INSTANTIATE_TEST_SUITE_P(Shared, ReferenceTest,
+                         testing::Values("BoxAnimated", "CesiumMan", "CesiumMilkTruck", "Horse_Gallop",
+                                         "InterpolationTest_CubicSplineRotation",
+                                         "InterpolationTest_CubicSplineScale", "InterpolationTest_StepScale",
+                                         "RobotExpressive_Dance"),
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST(SharedAssets, AllLoad) {
+  if (!fs::exists(kAssets)) GTEST_SKIP() << "no assets in " << kAssets;
+  for (const fs::directory_entry& entry : fs::directory_iterator(kAssets)) {
+    if (entry.path().extension() != ".glb") continue;
+    const Scene scene = load_gltf(entry.path());
+    EXPECT_GT(scene.triangle_count(), 0u) << entry.path();
+    EXPECT_GT(scene.primitive_segment_count(), scene.triangle_count()) << entry.path() << " does not move";
+  }
+}
+
+TEST(SharedAssets, NanWeightsFollowTheFirstJoint) {
+  if (!fs::exists(kAssets / "malformed/Wasp.glb")) GTEST_SKIP() << "no malformed assets in " << kAssets;
+  const Scene malformed = load_gltf(kAssets / "malformed/Wasp.glb"),
+              repaired = load_gltf(kAssets / "Wasp.glb");
+  ASSERT_EQ(malformed.meshes.size(), repaired.meshes.size());
+  for (std::size_t m = 0; m < malformed.meshes.size(); ++m) {
+    ASSERT_EQ(malformed.meshes[m].steps.size(), repaired.meshes[m].steps.size());
+    for (std::size_t s = 0; s < malformed.meshes[m].steps.size(); ++s) {
+      const VertexBuffer &a = malformed.meshes[m].steps[s], &b = repaired.meshes[m].steps[s];
+      ASSERT_EQ(a.size(), b.size());
+      EXPECT_EQ(std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3f)), 0);
+    }
+  }
+}
+
+class OwnFileTest : public testing::TestWithParam<const char*> {};
+
+TEST_P(OwnFileTest, PositionsMatchTheGenerators) {
+  const std::string expected = read_file(kData / "expected" / (std::string(GetParam()) + ".bin"));
+  ASSERT_GE(expected.size(), 12u);
+  const auto counts = as_vector<std::uint32_t>(expected.substr(0, 12));
+  const std::size_t index_bytes = std::size_t{12} * counts[2];
+  ASSERT_EQ(expected.size(), 12 + index_bytes + std::size_t{12} * counts[0] * counts[1]);
+  GltfOptions options;
+  options.steps = counts[0];
+  const Scene scene = load_gltf(kData / (std::string(GetParam()) + ".glb"), options);
+  const Box3f box = scene.bounds();
+  const double diagonal =
+      std::hypot(box.upper.x - box.lower.x, box.upper.y - box.lower.y, box.upper.z - box.lower.z);
+  expect_matches(scene, counts[0], as_vector<float>(expected.substr(12 + index_bytes)),
+                 as_vector<std::uint32_t>(expected.substr(12, index_bytes)), diagonal);
+}
+
+const auto kOwnFiles = testing::Values("bending_tube", "morphing_sphere", "propeller", "quantised_flag");
+INSTANTIATE_TEST_SUITE_P(Data, OwnFileTest, kOwnFiles,
+                         [](const auto& test) { return std::string(test.param); });
+
+TEST(Gltf, WhatStandsStillHasOneStep) {
+  const Scene scene = load_gltf(kData / "propeller.glb");
+  ASSERT_EQ(scene.meshes.size(), 5u);
+  EXPECT_EQ(scene.name, "propeller");
+  EXPECT_EQ(scene.meshes[0].name, "mast");
+  EXPECT_EQ(scene.meshes[0].steps.size(), 1u);
+  for (std::size_t i = 1; i < 5; ++i) EXPECT_EQ(scene.meshes[i].steps.size(), 9u);
+  EXPECT_FLOAT_EQ(scene.meshes[1].color.y, 0.7f);
+  const GltfOptions at_begin{"spin", TimeRange{0.5f, 0.5f}, 1};
+  for (const Mesh& mesh : load_gltf(kData / "propeller.glb", at_begin).meshes)
+    EXPECT_EQ(mesh.steps.size(), 1u);
+}
+
+TEST(Gltf, CameraSeesTheWholeScene) {
+  const Scene scene = load_gltf(kData / "propeller.glb");
+  const auto minus = [](const Vec3f& a, const Vec3f& b) { return Vec3f{a.x - b.x, a.y - b.y, a.z - b.z}; };
+  const auto dot = [](const Vec3f& a, const Vec3f& b) { return a.x * b.x + a.y * b.y + a.z * b.z; };
+  const Vec3f axis = minus(scene.camera.target, scene.camera.position);
+  const float limit = std::cos(scene.camera.vertical_fov_degrees / 2 * 3.14159265f / 180);
+  for (const Mesh& mesh : scene.meshes) {
+    for (const Vec3f& p : mesh.steps.back().span()) {
+      const Vec3f to = minus(p, scene.camera.position);
+      EXPECT_GE(dot(to, axis) / std::sqrt(dot(to, to) * dot(axis, axis)), limit);
+    }
+  }
+}
+
+TEST(Gltf, ClipsAndShutters) {
+  const fs::path file = kData / "propeller.glb";
+  EXPECT_EQ(refusal(file, {"spin", {}, 9}), "");
+  EXPECT_EQ(refusal(file, {"0", {}, 9}), "");
+  EXPECT_EQ(refusal(file, {"nod", {}, 9}), "it has no clip 'nod'; its clips are 0 'spin'");
+  expect_refused(file, "its clips are", {"1", {}, 9});
+  expect_refused(file, "the shutter must open before it closes", {"", TimeRange{0.5f, 0.5f}, 2});
+  expect_refused(file, "the shutter must open before it closes", {"", TimeRange{1, 0}, 2});
+  expect_refused(file, "the shutter", {"", TimeRange{0, std::numeric_limits<float>::quiet_NaN()}, 2});
+  expect_refused(file, "1 to 129 are possible", {"", {}, 0});
+  expect_refused(file, "1 to 129 are possible", {"", {}, kMaxSteps + 1});
+  EXPECT_EQ(load_gltf(file, {"", {}, kMaxSteps}).meshes[1].steps.size(), kMaxSteps);
+}
+
+TEST_F(GltfTest, IndexTypesAndTopologies) {
+  using Indices = std::vector<std::uint32_t>;
+  const auto indices_of = [&](const std::function<void(Document&)>& change) {
+    Document document;
+    change(document);
+    const fs::path file = write("mesh.glb", document.bytes());
+    return load_gltf(file).meshes.at(0).indices;
+  };
+  const Indices square{0, 1, 2, 0, 2, 3};
+  EXPECT_EQ(indices_of([](Document&) {}), square);
+  EXPECT_EQ(indices_of([](Document& d) {
+              d.primitive()["indices"] = d.add<std::uint8_t>("SCALAR", 5121, {0, 1, 2, 0, 2, 3});
+            }),
+            square);
+  EXPECT_EQ(indices_of([](Document& d) {
+              d.primitive()["indices"] = d.add<std::uint32_t>("SCALAR", 5125, {0, 1, 2, 0, 2, 3, 1});
+            }),
+            square);
+  EXPECT_EQ(indices_of([](Document& d) { d.primitive().erase("indices"); }), (Indices{0, 1, 2}));
+  EXPECT_EQ(indices_of([](Document& d) {
+              d.primitive().erase("indices");
+              d.primitive()["mode"] = 5;
+            }),
+            (Indices{0, 1, 2, 1, 3, 2}));
+  EXPECT_EQ(indices_of([](Document& d) {
+              d.primitive().erase("indices");
+              d.primitive()["mode"] = 6;
+            }),
+            (Indices{1, 2, 0, 2, 3, 0}));
+  EXPECT_EQ(indices_of([](Document& d) {  // points in front
+              json points = d.primitive();
+              points["mode"] = 0;
+              d.root["meshes"][0]["primitives"] = {points, d.primitive()};
+            }),
+            square);
+  Document lines;
+  lines.primitive()["mode"] = 1;
+  expect_refused(write("lines.glb", lines.bytes()), "has no triangles");
+}
+
+TEST_F(GltfTest, SkinWeights) {
+  // Joint k moves by k + 1 along x; vertices: NaN beside 8-bit-like halves, all zero, a second set, quarters.
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+  Document d;
+  json& attributes = d.primitive()["attributes"];
+  attributes["JOINTS_0"] =
+      d.add<std::uint16_t>("VEC4", 5123, {0, 1, 2, 0, 2, 1, 0, 0, 0, 0, 0, 0, 0, 1, 2, 3});
+  attributes["WEIGHTS_0"] =
+      d.add<float>("VEC4", 5126, {kNan, 3, 1, 0, 0, 0, 0, kNan, 1, 0, 0, 0, 1, 1, 1, 1});
+  attributes["JOINTS_1"] =
+      d.add<std::uint8_t>("VEC4", 5121, {0, 0, 0, 0, 0, 0, 0, 0, 3, 0, 0, 9, 0, 0, 0, 0});
+  attributes["WEIGHTS_1"] =
+      d.add<std::uint8_t>("VEC4", 5121, {0, 0, 0, 0, 0, 0, 0, 0, 255, 0, 0, 0, 0, 0, 0, 0}, true);
+  d.root["skins"] = {{{"joints", {1, 2, 3, 4}}}};
+  d.root["nodes"][0].update({{"skin", 0}, {"translation", {100, 0, 0}}});
+  for (int k = 0; k < 4; ++k) d.root["nodes"].push_back({{"translation", {k + 1, 0, 0}}});
+  d.root["scenes"][0]["nodes"] = {0, 1, 2, 3, 4};
+  const Scene scene = load_gltf(write("skin.glb", d.bytes()));
+  const VertexBuffer& p = scene.meshes.at(0).steps.at(0);
+  EXPECT_FLOAT_EQ(p[0].x, 0 + 0.75f * 2 + 0.25f * 3);
+  EXPECT_FLOAT_EQ(p[1].x, 1 + 3);
+  EXPECT_FLOAT_EQ(p[2].x, 1 + 0.5f * 1 + 0.5f * 4);
+  EXPECT_FLOAT_EQ(p[3].x, 0 + 2.5f);
+  d.root["skins"][0]["joints"] = {1, 2, 3};
+  expect_refused(write("joint.glb", d.bytes()), "follows joint 3 of a skin with 3 joints");
+}
+
+TEST_F(GltfTest, KeysHoldBeforeBehindAndAtTheirTimes) {
+  Document d;
+  const int times = d.add<float>("SCALAR", 5126, {1, 2, 3});
+  const int places = d.add<float>("VEC3", 5126, {0, 0, 0, 10, 0, 0, 20, 0, 0});
+  d.root["animations"] =
+      json::parse(R"([{"channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
+      "samplers": [{"interpolation": "STEP"}]}])");
+  d.root["animations"][0]["samplers"][0].update({{"input", times}, {"output", places}});
+  const auto first_vertex_at = [&](std::optional<TimeRange> shutter, std::size_t steps) {
+    const Scene scene = load_gltf(write("keys.glb", d.bytes()), {"", shutter, steps});
+    std::vector<float> x;
+    for (const VertexBuffer& step : scene.meshes.at(0).steps) x.push_back(step[0].x);
+    return x;
+  };
+  using Floats = std::vector<float>;
+  EXPECT_EQ(first_vertex_at({}, 3), (Floats{0, 10, 20}));
+  EXPECT_EQ(first_vertex_at(TimeRange{0, 4}, 5), (Floats{0, 0, 10, 20, 20}));
+  EXPECT_EQ(first_vertex_at(TimeRange{2, 2}, 1), (Floats{10}));
+  d.root["animations"][0]["samplers"][0]["interpolation"] = "LINEAR";
+  EXPECT_EQ(first_vertex_at(TimeRange{0, 4}, 9), (Floats{0, 0, 0, 5, 10, 15, 20, 20, 20}));
+  d.root["nodes"][0]["matrix"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 7, 0, 0, 1};
+  expect_refused(write("matrix.glb", d.bytes()), "is animated, but has a matrix");
+  d.root.erase("animations");
+  EXPECT_EQ(first_vertex_at({}, 9), (Floats{7}));
+  expect_refused(write("still.glb", d.bytes()), "it has no animation at all", {"walk", {}, 9});
+}
+
+TEST_F(GltfTest, SeparateBuffers) {
+  Document d;
+  write("a b.bin", d.binary + "more than byteLength");
+  d.root["buffers"][0]["uri"] = "a%20b.bin";
+  d.root["images"] = {{{"uri", "missing.png"}}};  // images are never opened
+  EXPECT_EQ(load_gltf(write("file.gltf", d.root.dump(1))).triangle_count(), 2u);
+  d.root["buffers"][0]["uri"] = "c.bin";
+  expect_refused(write("missing.gltf", d.root.dump()), "'c.bin', to which buffer 0 refers, does not exist");
+  d.root["buffers"][0]["uri"] = ".";
+  expect_refused(write("folder.gltf", d.root.dump()), "is not a regular file");
+  d.root["buffers"][0].erase("uri");
+  expect_refused(write("none.gltf", d.root.dump()), "buffer 0 has no data");
+  d.root["buffers"] = {
+      {{"uri", "data:application/octet-stream;base64,AAAAAAAAAAAAAAAA"}, {"byteLength", 12}}};
+  d.root["bufferViews"] = {{{"buffer", 0}, {"byteLength", 12}}};
+  d.root["accessors"] = {{{"bufferView", 0}, {"componentType", 5121}, {"count", 3}, {"type", "VEC3"}}};
+  d.primitive().erase("indices");
+  EXPECT_EQ(load_gltf(write("data.gltf", d.root.dump())).triangle_count(), 1u);
+  d.root["buffers"][0]["byteLength"] = 13;
+  expect_refused(write("short.gltf", d.root.dump()), "buffer 0 should have 13 bytes, but only 12 are there");
+}
+
+TEST_F(GltfTest, RequiredExtensions) {
+  const auto said = [&](const std::string& extension) {
+    Document d;
+    d.root["extensionsRequired"] = {extension};
+    return refusal(write("extension.glb", d.bytes()));
+  };
+  EXPECT_NE(said("KHR_draco_mesh_compression").find("requires Draco"), std::string::npos);
+  EXPECT_NE(said("EXT_meshopt_compression").find("requires meshopt"), std::string::npos);
+  EXPECT_NE(said("KHR_texture_basisu").find("requires KTX"), std::string::npos);
+  EXPECT_NE(said("EXT_mesh_gpu_instancing").find("EXT_mesh_gpu_instancing, which is not supported"),
+            std::string::npos);
+  EXPECT_EQ(said("KHR_mesh_quantization"), "");
+  EXPECT_EQ(said("KHR_materials_unlit"), "");
+}
+
+TEST_F(GltfTest, BadFiles) {
+  const auto refused = [&](const std::string& because, const std::function<void(json&)>& change) {
+    Document d;
+    change(d.root);
+    expect_refused(write("bad.glb", d.bytes()), because);
+  };
+  const auto kHuge = std::numeric_limits<std::uint64_t>::max();
+  refused("reaches beyond its buffer view", [](json& d) { d["accessors"][0]["count"] = 5; });
+  refused("reaches beyond its buffer view", [&](json& d) { d["accessors"][0]["count"] = kHuge; });
+  refused("reaches beyond its buffer view", [&](json& d) { d["accessors"][0]["count"] = kHuge / 12 + 2; });
+  refused("reaches beyond its buffer view", [&](json& d) { d["accessors"][0]["byteOffset"] = kHuge - 3; });
+  refused("reaches beyond the", [&](json& d) { d["bufferViews"][0]["byteOffset"] = kHuge - 3; });
+  refused("reaches beyond the", [](json& d) { d["bufferViews"][0]["byteLength"] = 1000; });
+  refused("a stride of 8 bytes", [](json& d) { d["bufferViews"][0]["byteStride"] = 8; });
+  refused("missing buffer 7", [](json& d) { d["bufferViews"][0]["buffer"] = 7; });
+  refused("missing buffer view 9", [](json& d) { d["accessors"][0]["bufferView"] = 9; });
+  refused("but no data", [&](json& d) {
+    d["accessors"][0].erase("bufferView");
+    d["accessors"][0]["count"] = kHuge;
+  });
+  refused("unknown component type", [](json& d) { d["accessors"][0]["componentType"] = 5124; });
+  refused("elements of 1 components instead of 3", [](json& d) { d["accessors"][0]["type"] = "SCALAR"; });
+  refused("has the index 3, but there are only 3 vertices", [](json& d) { d["accessors"][0]["count"] = 3; });
+  refused("has a sparse value for element", [](json& d) {
+    d["accessors"][0]["sparse"] = {{"count", 4},
+                                   {"indices", {{"bufferView", 0}, {"componentType", 5125}}},
+                                   {"values", {{"bufferView", 0}}}};
+  });
+  refused("but only", [](json& d) { d["buffers"][0]["byteLength"] = 1 << 30; });
+  refused("form a cycle", [](json& d) {
+    d["nodes"] = {{{"mesh", 0}}, {{"children", {2}}}, {{"children", {1}}}};
+  });
+  refused("more than one node", [](json& d) {
+    d["nodes"] = {{{"children", {2}}}, {{"children", {2}}}, {{"mesh", 0}}};
+  });
+  refused("missing node 5", [](json& d) { d["nodes"][0]["children"] = {5}; });
+  refused("missing mesh 5", [](json& d) { d["nodes"][0]["mesh"] = 5; });
+  refused("skin 2 is missing", [](json& d) { d["nodes"][0]["skin"] = 2; });
+  refused("the rotation of node 0 has 3 numbers", [](json& d) { d["nodes"][0]["rotation"] = {0, 0, 1}; });
+  refused("scene 3 is missing", [](json& d) { d["scene"] = 3; });
+  refused("without valid attributes", [](json& d) { d["meshes"][0]["primitives"][0]["attributes"] = 1; });
+  refused("glTF version 1.0", [](json& d) { d["asset"]["version"] = "1.0"; });
+  refused("missing sampler 4", [](json& d) {
+    d["animations"] = {{{"channels", {{{"sampler", 4}, {"target", {{"node", 0}, {"path", "scale"}}}}}}}};
+  });
+  refused("missing sampler", [](json& d) {
+    d["animations"] = {{{"channels", {{{"sampler", 0}, {"target", {{"node", 9}, {"path", "scale"}}}}}}}};
+  });
+  expect_refused(folder / "nowhere.glb", "the file does not exist");
+  expect_refused(folder, "the file is not a regular file");
+  expect_refused(write("empty.glb", ""), "it is not a glTF file");
+  expect_refused(write("text.gltf", "hello"), "it is not a glTF file");
+  expect_refused(write("json.gltf", "{\"asset\": {\"version\": }}"), "its JSON is broken at byte");
+  expect_refused(write("deep.gltf", "{\"extras\":" + std::string(1000000, '[')),
+                 "nested more than 100 levels");
+  expect_refused(write("other.gltf", "{}"), "it is not a glTF file: its JSON has no asset.version");
+}
+
+TEST_F(GltfTest, EveryPrefixIsRefused) {
+  const std::string whole = read_file(kData / "propeller.glb");
+  for (std::size_t length = 0; length < whole.size(); length += length < 64 ? 1 : 37) {
+    EXPECT_NE(refusal(write("prefix.glb", whole.substr(0, length))), "") << length << " bytes";
+  }
+}
+
+class MutationTest : public GltfTest, public testing::WithParamInterface<const char*> {};
+
+/// Changed bytes, also with the length in the header put right again after a cut: loads or is refused, never
+/// crashes.
+TEST_P(MutationTest, LoadsOrIsRefused) {
+  const std::string whole = read_file(kData / (std::string(GetParam()) + ".glb"));
+  const std::size_t json_end = 20 + as_vector<std::uint32_t>(whole.substr(12, 4)).at(0);
+  std::mt19937 random(2024);
+  const auto below = [&](std::size_t n) { return random() % n; };
+  const std::string digits = "0123456789-,.[]{}\"e";
+  std::size_t refused = 0;
+  for (int round = 0; round < 300; ++round) {
+    std::string bytes = whole;
+    for (std::size_t i = 0, n = 1 + below(4); i < n; ++i) {
+      switch (below(3)) {
+        case 0:  // a digit of the JSON: another index, count, type or offset
+          if (const std::size_t at = bytes.find_first_of("0123456789", 20 + below(json_end - 20));
+              at < json_end) {
+            bytes[at] = digits[below(10)];
+          }
+          break;
+        case 1:
+          bytes[20 + below(json_end - 20)] = digits[below(digits.size())];
+          break;
+        default:
+          bytes[below(bytes.size())] = static_cast<char>(below(256));
+      }
+    }
+    refused += !refusal(write("mutated.glb", bytes), {"", {}, 3}).empty();
+  }
+  EXPECT_GT(refused, 30u);
+  EXPECT_LT(refused, 300u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Data, MutationTest, kOwnFiles,
+                         [](const auto& test) { return std::string(test.param); });
+
+}  // namespace
+}  // namespace stbvh::harness

@@ -1,0 +1,122 @@
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "harness/report/json.h"
+#include "harness/report/table.h"
+
+namespace stbvh::harness {
+namespace {
+
+Report small_report() {
+  Report report;
+  report.builds.push_back(
+      {.scene = "s", .structure = "embree", .build_s = {2, 1, 3}, .structure_bytes = 100});
+  report.speeds.push_back({.scene = "s",
+                           .structure = "embree",
+                           .rays = "bounce",
+                           .ray_count = 10,
+                           .threads = 1,
+                           .repeats = 7,
+                           .mrays_per_s = {2, 1, 3},
+                           .ratio_to_embree = Spread{1, 1, 1},
+                           .hits = 4});
+  report.errors.push_back({.scene = "s", .structure = "embree", .rays = "bounce", .traced = 30});
+  return report;
+}
+
+TEST(Json, HasTheFieldsThatOthersRead) {
+  const auto json = nlohmann::json::parse(to_json(small_report(), Machine{.cpu = "c"}, "abc"));
+  EXPECT_EQ(json.at("machine").at("cpu"), "c");
+  EXPECT_EQ(json.at("commit"), "abc");
+  ASSERT_EQ(json.at("records").size(), 3u);
+  const std::vector<std::vector<const char*>> fields{
+      {"kind", "scene", "structure", "triangles", "primitive_segments", "build_s", "peak_bytes",
+       "structure_bytes", "total_bytes"},
+      {"kind", "scene", "structure", "rays", "threads", "repeats", "mrays_per_s", "mrays_per_s_min",
+       "mrays_per_s_max", "ratio_to_embree", "hits"},
+      {"kind", "scene", "structure", "rays", "traced", "missed", "false_hits", "wrong_primitive",
+       "t_error_rel_p50", "t_error_rel_p99", "t_error_rel_max"}};
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (const char* field : fields[i]) EXPECT_TRUE(json["records"][i].contains(field)) << field;
+  }
+  EXPECT_EQ(json["records"][0]["kind"], "build");
+  EXPECT_EQ(json["records"][1]["kind"], "speed");
+  EXPECT_EQ(json["records"][2]["kind"], "error");
+  EXPECT_EQ(json["records"][1]["ratio_to_embree"], 1.0);
+}
+
+TEST(Json, RatioWithoutReferenceIsNull) {
+  Report report = small_report();
+  report.speeds[0].ratio_to_embree.reset();
+  const auto json = nlohmann::json::parse(to_json(report, Machine{}, ""));
+  EXPECT_TRUE(json["records"][1]["ratio_to_embree"].is_null());
+}
+
+TEST(Json, NamesThatAreNotUtf8StayReadable) {
+  Report report = small_report();
+  report.builds[0].scene = "\xff";
+  EXPECT_NO_THROW(static_cast<void>(nlohmann::json::parse(to_json(report, Machine{}, ""))));
+}
+
+class ReportFile : public ::testing::Test {
+ protected:
+  void SetUp() override { std::filesystem::create_directories(directory_); }
+  void TearDown() override { std::filesystem::remove_all(directory_); }
+
+  static std::string content(const std::filesystem::path& path) {
+    std::ostringstream text;
+    text << std::ifstream(path).rdbuf();
+    return text.str();
+  }
+
+  const std::filesystem::path directory_ =
+      std::filesystem::temp_directory_path() / ("stbvh_report_test_" + std::to_string(getpid()));
+};
+
+TEST_F(ReportFile, AppearsWhole) {
+  const auto path = directory_ / "a.json";
+  check_writable(path);
+  EXPECT_FALSE(std::filesystem::exists(path));
+  write_file(path, "one");
+  write_file(path, "two");
+  EXPECT_EQ(content(path), "two");
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory_), {}), 1);
+}
+
+TEST_F(ReportFile, UnwritablePlacesAreRefused) {
+  EXPECT_THROW(check_writable(directory_ / "none" / "a.json"), ReportFileError);
+  EXPECT_THROW(check_writable(directory_), ReportFileError);
+  EXPECT_THROW(check_writable(directory_ / ""), ReportFileError);
+  EXPECT_THROW(write_file(directory_ / "none" / "a.json", "x"), ReportFileError);
+  EXPECT_THROW(write_file("/dev/full", "x"), ReportFileError);
+  EXPECT_NO_THROW(write_file("/dev/null", "x"));
+  EXPECT_FALSE(std::filesystem::is_regular_file("/dev/null"));
+}
+
+TEST(Spread, MedianOfOddAndEvenCounts) {
+  EXPECT_EQ(spread_of({3, 1, 2}).median, 2);
+  EXPECT_EQ(spread_of({4, 1, 2, 3}).median, 2.5);
+  EXPECT_EQ(spread_of({4, 1}).min, 1);
+  EXPECT_EQ(spread_of({4, 1}).max, 4);
+}
+
+TEST(Table, NoBadRayInSomeManySaysWhatItProves) {
+  EXPECT_EQ(bad_count(0, 20000), "0 (<1.5e-04)");
+  EXPECT_EQ(bad_count(3, 20000), "3");
+}
+
+TEST(Table, ShowsRatiosAndSpread) {
+  const Report report = small_report();
+  EXPECT_NE(speed_table(report.speeds).find("1.00 (1.00-1.00)"), std::string::npos);
+  EXPECT_NE(build_table(report.builds).find("1.00-3.00 (0)"), std::string::npos);
+  EXPECT_NE(error_table(report.errors).find("0 (<1.0e-01)"), std::string::npos);
+  EXPECT_EQ(speed_summary(report), "");
+}
+
+}  // namespace
+}  // namespace stbvh::harness

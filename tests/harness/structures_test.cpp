@@ -1,0 +1,147 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "harness/oracle/judge.h"
+#include "harness/rays/ray_generator.h"
+#include "harness/structures/lbvh.h"
+#include "harness/structures/memory_estimate.h"
+#include "harness/structures/structure_under_test.h"
+#include "tests/harness/test_scenes.h"
+
+namespace stbvh::harness {
+namespace {
+
+std::vector<HitRecord> trace_all(const StructureUnderTest& structure, const RaySet& rays) {
+  std::vector<HitRecord> hits(rays.rays.size());
+  if (rays.any_hit()) {
+    structure.occluded(rays.rays, hits);
+  } else {
+    structure.intersect(rays.rays, hits);
+  }
+  return hits;
+}
+
+class EachStructure : public ::testing::TestWithParam<std::string_view> {};
+
+TEST_P(EachStructure, AgreesWithTheOracle) {
+  const Scene scene = mixed_step_scene();
+  const auto structure = build_structure(GetParam(), scene, 2);
+  const auto reference = build_structure("embree-robust", scene, 2);
+  const Oracle oracle(scene);
+  for (RayKind kind : ray_kinds()) {
+    const RaySet rays = make_rays(kind, scene, *reference, 5000, 11);
+    const ErrorCounts counts =
+        judge(oracle, 17.0, rays, oracle.answers(rays.rays), trace_all(*structure, rays));
+    EXPECT_EQ(counts.traced, 5000u);
+    EXPECT_GT(counts.oracle_hits, 500u);
+    EXPECT_EQ(counts.missed, 0u) << ray_kind_name(kind);
+    EXPECT_EQ(counts.false_hits, 0u) << ray_kind_name(kind);
+    EXPECT_EQ(counts.wrong_primitive, 0u) << ray_kind_name(kind);
+    EXPECT_LT(counts.within_rounding, 5u) << ray_kind_name(kind);
+  }
+}
+
+TEST_P(EachStructure, WeighsItself) {
+  const auto structure = build_structure(GetParam(), mixed_step_scene(2000), 2);
+  const BuildRecord& record = structure->build_record();
+  EXPECT_GT(record.build_s, 0);
+  EXPECT_GT(record.structure_bytes, 0u);
+  EXPECT_GE(record.peak_bytes, record.structure_bytes);
+  if (GetParam() == "stbvh") {  // the plugin's own count, and the device's, which has the outer scene besides
+    EXPECT_GE(record.monitor_bytes, record.structure_bytes);
+    EXPECT_LE(record.monitor_bytes, record.structure_bytes + 65536);
+  }
+}
+
+TEST_P(EachStructure, TakesScenesOfStaticMeshesAlone) {
+  Scene scene;
+  Pcg32 random(5);
+  scene.meshes.push_back(wandering_triangles(100, 1, random));
+  scene.meshes.push_back(Mesh{});  // empty
+  scene.meshes.back().steps.emplace_back(0);
+  const auto structure = build_structure(GetParam(), scene, 0);
+  const auto reference = build_structure("embree-robust", scene, 0);
+  const RaySet rays = make_rays(RayKind::kUniform, scene, *reference, 1000, 1);
+  const auto hits = trace_all(*structure, rays);
+  EXPECT_GT(std::count_if(hits.begin(), hits.end(), [](const HitRecord& hit) { return hit.is_hit(); }), 100);
+}
+
+INSTANTIATE_TEST_SUITE_P(Structures, EachStructure, ::testing::ValuesIn(structure_names()),
+                         [](const auto& info) {
+                           std::string name(info.param);
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
+
+TEST(Structures, UnknownNamesAreRefused) {
+  EXPECT_THROW(build_structure("no-such", mixed_step_scene(1), 1), std::invalid_argument);
+}
+
+TEST(Lbvh, HasTheHitsOfTheNativeTree) {
+  const Scene scene = mixed_step_scene();
+  const auto native = build_structure("embree", scene, 0);
+  const auto lbvh = build_structure("lbvh", scene, 0);
+  std::size_t differing = 0;
+  std::size_t total = 0;
+  for (RayKind kind : ray_kinds()) {
+    const RaySet rays = make_rays(kind, scene, *native, 20000, 5);
+    const auto a = trace_all(*native, rays);
+    const auto b = trace_all(*lbvh, rays);
+    for (std::size_t i = 0; i < a.size(); ++i) {
+      differing += a[i].geom_id != b[i].geom_id || a[i].prim_id != b[i].prim_id ? 1 : 0;
+    }
+    total += a.size();
+  }
+  EXPECT_EQ(total, 80000u);
+  EXPECT_LE(differing, 4u);  // rays within rounding of an edge: ranges of segments are rounded in both
+}
+
+TEST(TimeWindows, EveryTimeFindsTheSegmentsOfItsMeshes) {
+  Scene scene;
+  Pcg32 random(1);
+  for (std::size_t steps : {4, 3, 8, 2, 129}) scene.meshes.push_back(wandering_triangles(1, steps, random));
+  scene.meshes[1].time_range = {0.3f, 0.7f};
+  const TimeWindows windows(scene);
+  ASSERT_EQ(windows.count(), 128u);
+  std::vector<float> times{0.0f, 1.0f, 0.3f, 0.7f, 0.5f};
+  for (std::size_t n : {3, 7, 128}) {
+    for (std::size_t i = 0; i <= n; ++i) {
+      const float t = static_cast<float>(i) / static_cast<float>(n);
+      for (float s : {std::nextafter(t, 0.0f), t, std::nextafter(t, 1.0f)}) times.push_back(s);
+    }
+  }
+  for (float time : times) {
+    const auto& held = windows.segments(windows.window_of(time));
+    for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+      const Mesh& mesh = scene.meshes[m];
+      if (time < mesh.time_range.begin || time > mesh.time_range.end) continue;
+      const bool is_found = std::any_of(held.begin(), held.end(), [&](const MeshSegment& s) {
+        const TimeRange range = segment_time_range(mesh, s.segment);
+        return s.mesh == m && time >= range.begin && time <= range.end;
+      });
+      EXPECT_TRUE(is_found) << "mesh " << m << " at " << time;
+    }
+  }
+}
+
+TEST(TimeWindows, SegmentsThatDivideTheWindowsAreNotRepeated) {
+  Scene scene;
+  Pcg32 random(1);
+  scene.meshes.push_back(wandering_triangles(1, 13, random));
+  scene.meshes.push_back(wandering_triangles(1, 4, random));
+  const TimeWindows windows(scene);
+  ASSERT_EQ(windows.count(), 12u);
+  for (std::size_t i = 0; i < windows.count(); ++i) EXPECT_EQ(windows.segments(i).size(), 2u) << i;
+}
+
+TEST(MemoryEstimate, GrowsWithWhatAStructureHolds) {
+  const Scene scene = mixed_step_scene();
+  EXPECT_GT(estimate_peak_bytes("embree", scene), scene.primitive_segment_count() * 50);
+  EXPECT_GT(estimate_peak_bytes("lbvh", scene), estimate_peak_bytes("embree", scene));
+  EXPECT_GT(estimate_peak_bytes("lbvh-4v", scene), estimate_peak_bytes("lbvh", scene));
+  EXPECT_GT(available_memory_bytes(), 0u);
+}
+
+}  // namespace
+}  // namespace stbvh::harness

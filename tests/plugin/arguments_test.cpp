@@ -1,0 +1,147 @@
+// Bad arguments: one clear sentence, nothing changed, no crash.
+#include <cstring>
+#include <functional>
+#include <limits>
+
+#include "tests/plugin/mesh_pair.h"
+
+namespace stbvh::test {
+namespace {
+
+class PluginArguments : public testing::Test {
+ protected:
+  void expect_refused(const std::function<void(StbvhMeshArguments&)>& spoil, const std::string& word) {
+    SCOPED_TRACE(word);
+    StbvhMeshArguments arguments = arguments_of(mesh_, pointers_);
+    spoil(arguments);
+    unsigned index = 42;
+    EXPECT_EQ(stbvhAddMesh(geometry_.get(), &arguments, &index), RTC_ERROR_INVALID_ARGUMENT);
+    EXPECT_NE(std::string(stbvhGetErrorMessage(geometry_.get())).find(word), std::string::npos)
+        << stbvhGetErrorMessage(geometry_.get());
+    EXPECT_EQ(index, 42u);
+    EXPECT_EQ(stbvhGetMeshCount(geometry_.get()), 0u);
+  }
+
+  Device device_ = new_device();
+  OwnGeometry geometry_{stbvhNewGeometry(device_.get())};
+  TestMesh mesh_ = flat_triangle(0, 3);
+  std::vector<const void*> pointers_;
+};
+
+TEST_F(PluginArguments, OfMeshes) {
+  const float nan = std::numeric_limits<float>::quiet_NaN(),
+              infinity = std::numeric_limits<float>::infinity();
+  EXPECT_STREQ(stbvhGetErrorMessage(geometry_.get()), "");
+  expect_refused([](auto& a) { a.byteSize = 0; }, "byteSize");
+  expect_refused([](auto& a) { a.byteSize += 8; }, "byteSize");
+  expect_refused([](auto& a) { a.stepCount = 0; }, "stepCount must be 1 to 129, not 0");
+  expect_refused([](auto& a) { a.stepCount = 130; }, "not 130");
+  expect_refused([](auto& a) { a.indices = nullptr; }, "indices");
+  expect_refused([](auto& a) { a.indices = static_cast<const char*>(a.indices) + 1; }, "aligned");
+  expect_refused([](auto& a) { a.indexByteStride = 8; }, "indexByteStride");
+  expect_refused([](auto& a) { a.indexByteStride = 13; }, "indexByteStride");
+  expect_refused([](auto& a) { a.vertices = nullptr; }, "vertices is null");
+  expect_refused([this](auto&) { pointers_[1] = nullptr; }, "vertices[1] is null");
+  expect_refused([this](auto&) { pointers_[2] = static_cast<const char*>(pointers_[2]) + 2; }, "vertices[2]");
+  expect_refused([](auto& a) { a.vertexByteStride = 0; }, "vertexByteStride");
+  const std::size_t strides[3] = {12, 16, 11};
+  expect_refused([&](auto& a) { a.vertexByteStrides = strides; }, "vertexByteStrides[2]");
+  expect_refused([&](auto& a) { a.startTime = nan; }, "finite");
+  expect_refused([&](auto& a) { a.endTime = infinity; }, "finite");
+  expect_refused([](auto& a) { a.endTime = a.startTime; }, "smaller");
+  expect_refused([](auto& a) { a.startTime = 2; }, "smaller");
+  expect_refused([](auto& a) { a.startTime = -3e38f, a.endTime = 3e38f; }, "too long");
+  expect_refused([](auto& a) { a.vertexCount = std::size_t{1} << 33; }, "32 bits");
+  expect_refused([](auto& a) { a.triangleCount = std::size_t{1} << 33; }, "32 bits");
+}
+
+TEST_F(PluginArguments, Null) {
+  EXPECT_EQ(stbvhNewGeometry(nullptr), nullptr);
+  EXPECT_EQ(stbvhAddMesh(geometry_.get(), nullptr, nullptr), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(stbvhSetMesh(geometry_.get(), 0, nullptr), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(stbvhGetMesh(geometry_.get(), 0, nullptr), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(stbvhGetStatistics(geometry_.get(), nullptr), RTC_ERROR_INVALID_ARGUMENT);
+  StbvhMeshArguments arguments = arguments_of(mesh_, pointers_);
+  EXPECT_EQ(stbvhAddMesh(nullptr, &arguments, nullptr), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(stbvhSetMesh(nullptr, 0, &arguments), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(stbvhGetMesh(nullptr, 0, &arguments), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(stbvhCommitGeometry(nullptr), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(stbvhSetProgressFunction(nullptr, nullptr, nullptr), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(stbvhGetGeometry(nullptr), nullptr);
+  EXPECT_EQ(stbvhGetMeshCount(nullptr), 0u);
+  EXPECT_STREQ(stbvhGetErrorMessage(nullptr), "geometry is null");
+  stbvhRetainGeometry(nullptr);
+  stbvhReleaseGeometry(nullptr);
+}
+
+TEST_F(PluginArguments, MeshIndexOutOfRange) {
+  StbvhMeshArguments arguments = arguments_of(mesh_, pointers_);
+  ASSERT_EQ(stbvhAddMesh(geometry_.get(), &arguments, nullptr), RTC_ERROR_NONE);
+  EXPECT_EQ(stbvhSetMesh(geometry_.get(), 1, &arguments), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(stbvhGetMesh(geometry_.get(), 1, &arguments), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_STREQ(stbvhGetErrorMessage(geometry_.get()), "meshIndex is 1, but there are 1 meshes");
+}
+
+TEST_F(PluginArguments, AreReadBack) {
+  StbvhMeshArguments arguments = arguments_of(mesh_, pointers_);
+  arguments.mask = 6;
+  arguments.geomID = 9;
+  ASSERT_EQ(stbvhAddMesh(geometry_.get(), &arguments, nullptr), RTC_ERROR_NONE);
+  StbvhMeshArguments copy;
+  copy.byteSize = sizeof(copy);
+  ASSERT_EQ(stbvhGetMesh(geometry_.get(), 0, &copy), RTC_ERROR_NONE);
+  EXPECT_EQ(copy.mask, 6u);
+  EXPECT_EQ(copy.geomID, 9u);
+  EXPECT_EQ(copy.stepCount, 3u);
+  EXPECT_EQ(copy.vertices[2], mesh_.steps[2].data());
+  EXPECT_EQ(copy.vertexByteStrides[2], 12u);
+  ASSERT_EQ(stbvhSetMesh(geometry_.get(), 0, &copy), RTC_ERROR_NONE);  // its arrays are the handle's own
+  ASSERT_EQ(stbvhGetMesh(geometry_.get(), 0, &copy), RTC_ERROR_NONE);
+  EXPECT_EQ(copy.vertices[2], mesh_.steps[2].data());
+}
+
+/// Commits, attaches and traces: nothing may be hit, and nothing may go wrong.
+void expect_no_hits(const Device& device, const OwnGeometry& geometry) {
+  ASSERT_EQ(stbvhCommitGeometry(geometry.get()), RTC_ERROR_NONE) << stbvhGetErrorMessage(geometry.get());
+  const Scene scene = new_scene(device);
+  rtcAttachGeometry(scene.get(), stbvhGetGeometry(geometry.get()));
+  rtcCommitScene(scene.get());
+  Random random(1);
+  for (unsigned i = 0; i < 100; ++i) {
+    EXPECT_EQ(intersect(scene.get(), random_ray(random)).hit.geomID, RTC_INVALID_GEOMETRY_ID);
+    EXPECT_FALSE(is_occluded(scene.get(), random_ray(random)));
+  }
+  EXPECT_EQ(rtcGetDeviceError(device.get()), RTC_ERROR_NONE);
+}
+
+TEST_F(PluginArguments, NoMeshesOrEmptyOnesAreAnEmptyGeometry) {
+  expect_no_hits(device_, geometry_);
+  StbvhMeshArguments empty;
+  stbvhInitMeshArguments(&empty);
+  ASSERT_EQ(stbvhAddMesh(geometry_.get(), &empty, nullptr), RTC_ERROR_NONE);
+  empty.stepCount = 7;
+  ASSERT_EQ(stbvhAddMesh(geometry_.get(), &empty, nullptr), RTC_ERROR_NONE);
+  StbvhMeshArguments without_vertices = arguments_of(mesh_, pointers_);
+  without_vertices.vertexCount = 0;
+  ASSERT_EQ(stbvhAddMesh(geometry_.get(), &without_vertices, nullptr), RTC_ERROR_NONE);
+  expect_no_hits(device_, geometry_);
+}
+
+TEST_F(PluginArguments, MeshesOfInvalidTrianglesAreAnEmptyGeometry) {
+  for (auto& step : mesh_.steps) step[1].x = std::numeric_limits<float>::quiet_NaN();
+  StbvhMeshArguments arguments = arguments_of(mesh_, pointers_);
+  ASSERT_EQ(stbvhAddMesh(geometry_.get(), &arguments, nullptr), RTC_ERROR_NONE);
+  expect_no_hits(device_, geometry_);
+}
+
+TEST_F(PluginArguments, AnUncommittedGeometryIsEmpty) {
+  StbvhMeshArguments arguments = arguments_of(mesh_, pointers_);
+  ASSERT_EQ(stbvhAddMesh(geometry_.get(), &arguments, nullptr), RTC_ERROR_NONE);
+  const Scene scene = new_scene(device_);
+  rtcAttachGeometry(scene.get(), stbvhGetGeometry(geometry_.get()));
+  rtcCommitScene(scene.get());
+  EXPECT_EQ(intersect(scene.get(), ray_down(.1f, .1f, .5f)).hit.geomID, RTC_INVALID_GEOMETRY_ID);
+}
+
+}  // namespace
+}  // namespace stbvh::test

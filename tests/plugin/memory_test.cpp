@@ -1,0 +1,145 @@
+// Memory and progress: every byte is reported and given back, also by builds that are cancelled.
+#include <atomic>
+
+#include "tests/plugin/mesh_pair.h"
+
+namespace stbvh::test {
+namespace {
+
+struct Monitor {
+  std::atomic<ssize_t> bytes{0};
+  std::atomic<ssize_t> peak{0};
+  std::atomic<long> allocations{0};
+  long refuse_from = -1;  ///< number of the first allocation that is refused; < 0: none
+};
+
+bool monitor_memory(void* ptr, ssize_t bytes, bool) {
+  auto& monitor = *static_cast<Monitor*>(ptr);
+  if (bytes > 0 && monitor.refuse_from >= 0 && monitor.allocations >= monitor.refuse_from) return false;
+  if (bytes > 0) ++monitor.allocations;
+  const ssize_t now = monitor.bytes += bytes;
+  ssize_t peak = monitor.peak;
+  while (now > peak && !monitor.peak.compare_exchange_weak(peak, now)) {
+  }
+  return true;
+}
+
+void ignore_error(void*, RTCError, const char*) {}
+
+class PluginMemory : public testing::Test {
+ protected:
+  void SetUp() override { rtcSetDeviceMemoryMonitorFunction(device_.get(), monitor_memory, &monitor_); }
+
+  void add_meshes(const OwnGeometry& geometry) const {
+    std::vector<const void*> pointers;
+    for (const TestMesh& mesh : meshes_) {
+      const StbvhMeshArguments arguments = arguments_of(mesh, pointers);
+      ASSERT_EQ(stbvhAddMesh(geometry.get(), &arguments, nullptr), RTC_ERROR_NONE);
+    }
+  }
+
+  std::vector<TestMesh> meshes_{triangle_soup(1, 3000, 9), triangle_soup(2, 3000, 1),
+                                triangle_soup(3, 2000, 4)};
+  Monitor monitor_;
+  Device device_ = new_device();
+};
+
+TEST_F(PluginMemory, IsReportedAndGivenBack) {
+  const ssize_t before = monitor_.bytes;
+  {
+    OwnGeometry geometry(stbvhNewGeometry(device_.get()));
+    add_meshes(geometry);
+    ASSERT_EQ(stbvhCommitGeometry(geometry.get()), RTC_ERROR_NONE);
+    StbvhStatistics statistics;
+    statistics.byteSize = sizeof(statistics);
+    ASSERT_EQ(stbvhGetStatistics(geometry.get(), &statistics), RTC_ERROR_NONE);
+    const auto built = static_cast<std::size_t>(monitor_.bytes - before);
+    EXPECT_EQ(statistics.triangles, 8000u);
+    EXPECT_GT(statistics.structureBytes, 8000u * 8);
+    EXPECT_GE(statistics.peakBytes, statistics.structureBytes);
+    EXPECT_GE(built, statistics.structureBytes / 2);
+    EXPECT_LE(built, statistics.structureBytes + 4096);
+    EXPECT_GT(static_cast<std::size_t>(monitor_.peak - before), built);
+    ASSERT_EQ(stbvhCommitGeometry(geometry.get()), RTC_ERROR_NONE);
+    EXPECT_EQ(static_cast<std::size_t>(monitor_.bytes - before), built);
+    const Scene scene = new_scene(device_);
+    rtcAttachGeometry(scene.get(), stbvhGetGeometry(geometry.get()));
+    rtcCommitScene(scene.get());
+  }
+  EXPECT_EQ(monitor_.bytes, before);
+}
+
+TEST_F(PluginMemory, AMonitorThatRefusesStopsTheBuild) {
+  rtcSetDeviceErrorFunction(device_.get(), ignore_error, nullptr);
+  const ssize_t before = monitor_.bytes;
+  OwnGeometry geometry(stbvhNewGeometry(device_.get()));
+  add_meshes(geometry);
+  monitor_.allocations = 0;
+  ASSERT_EQ(stbvhCommitGeometry(geometry.get()), RTC_ERROR_NONE);
+  const long allocations = monitor_.allocations;
+  ASSERT_GE(allocations, 2);
+  const Scene scene = new_scene(device_);
+  rtcAttachGeometry(scene.get(), stbvhGetGeometry(geometry.get()));
+  for (long k = 0; k < allocations; k += 1 + allocations / 20) {
+    SCOPED_TRACE(testing::Message() << "allocation " << k << " of " << allocations);
+    monitor_.allocations = 0;
+    monitor_.refuse_from = k;
+    ASSERT_EQ(stbvhCommitGeometry(geometry.get()), RTC_ERROR_OUT_OF_MEMORY);
+    EXPECT_STREQ(stbvhGetErrorMessage(geometry.get()),
+                 "out of memory, or the device's memory monitor refused");
+    EXPECT_EQ(monitor_.bytes, before);
+    monitor_.refuse_from = -1;
+    rtcCommitScene(scene.get());
+    Random random(1);
+    EXPECT_EQ(intersect(scene.get(), random_ray(random)).hit.geomID, RTC_INVALID_GEOMETRY_ID);
+    rtcDetachGeometry(scene.get(), 0);
+    rtcCommitScene(scene.get());
+    rtcAttachGeometry(scene.get(), stbvhGetGeometry(geometry.get()));
+    if (monitor_.bytes != before)
+      monitor_.bytes = before;  // what the scene itself keeps is not at issue here
+  }
+  EXPECT_EQ(stbvhCommitGeometry(geometry.get()), RTC_ERROR_NONE);
+}
+
+struct Progress {
+  std::atomic<int> calls{0};
+  int cancel_at = -1;
+  double last = 0;
+  bool in_order = true;
+};
+
+bool on_progress(void* ptr, double fraction) {
+  auto& progress = *static_cast<Progress*>(ptr);
+  progress.in_order &= fraction >= progress.last && fraction <= 1;
+  progress.last = fraction;
+  return progress.calls++ != progress.cancel_at;
+}
+
+TEST_F(PluginMemory, AProgressFunctionThatReturnsFalseCancelsTheBuild) {
+  const ssize_t before = monitor_.bytes;
+  OwnGeometry geometry(stbvhNewGeometry(device_.get()));
+  add_meshes(geometry);
+  Progress all;
+  ASSERT_EQ(stbvhSetProgressFunction(geometry.get(), on_progress, &all), RTC_ERROR_NONE);
+  ASSERT_EQ(stbvhCommitGeometry(geometry.get()), RTC_ERROR_NONE);
+  ASSERT_GE(all.calls, 2);
+  EXPECT_TRUE(all.in_order);
+  EXPECT_EQ(all.last, 1);
+  for (const int cancel_at : {0, all.calls / 2}) {
+    Progress progress;
+    progress.cancel_at = cancel_at;
+    ASSERT_EQ(stbvhSetProgressFunction(geometry.get(), on_progress, &progress), RTC_ERROR_NONE);
+    ASSERT_EQ(stbvhCommitGeometry(geometry.get()), RTC_ERROR_CANCELLED);
+    EXPECT_NE(std::string(stbvhGetErrorMessage(geometry.get())).find("cancelled"), std::string::npos);
+    EXPECT_EQ(monitor_.bytes, before);
+    StbvhStatistics statistics;
+    statistics.byteSize = sizeof(statistics);
+    ASSERT_EQ(stbvhGetStatistics(geometry.get(), &statistics), RTC_ERROR_NONE);
+    EXPECT_EQ(statistics.triangles, 0u);
+  }
+  ASSERT_EQ(stbvhSetProgressFunction(geometry.get(), nullptr, nullptr), RTC_ERROR_NONE);
+  EXPECT_EQ(stbvhCommitGeometry(geometry.get()), RTC_ERROR_NONE);
+}
+
+}  // namespace
+}  // namespace stbvh::test
