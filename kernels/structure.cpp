@@ -39,7 +39,8 @@ class Block {
   std::size_t bytes() const { return bytes_; }
 
  private:
-  /// Traversal jumps through the whole block: fewer, larger pages spare it most misses of the TLB. Advice only.
+  /// Traversal jumps through the whole block: fewer, larger pages spare it most misses of the TLB. Advice
+  /// only.
   void advise_huge_pages() {
     constexpr std::uintptr_t page = 2u << 20;
     const std::uintptr_t begin = (reinterpret_cast<std::uintptr_t>(data_) + page - 1) / page * page;
@@ -69,7 +70,9 @@ std::vector<RootBounds> root_bounds(BinaryNode* root) {
   return bounds;
 }
 
-Box3f box(F32x4 lower, F32x4 upper) { return {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}}; }
+Box3f box(F32x4 lower, F32x4 upper) {
+  return {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}};
+}
 
 class StructureImpl final : public Structure {
  public:
@@ -124,7 +127,8 @@ class StructureImpl final : public Structure {
       const float f = length > 0.0f ? (time - child.range.begin) / length : 0.0f;
       const F32x4 f0(1.0f - f), f1(f);
       const LinearBounds& b = child.bounds;
-      const F32x4 largest = max(max(abs(b.lower_begin), abs(b.lower_end)), max(abs(b.upper_begin), abs(b.upper_end)));
+      const F32x4 largest =
+          max(max(abs(b.lower_begin), abs(b.lower_end)), max(abs(b.upper_begin), abs(b.upper_end)));
       const F32x4 pad = b.is_static() ? F32x4(0.0f) : largest * F32x4(0x1p-21f);
       lower = min(lower, f0 * b.lower_begin + f1 * b.lower_end - pad);
       upper = max(upper, f0 * b.upper_begin + f1 * b.upper_end + pad);

@@ -15,12 +15,24 @@
 namespace stbvh::harness {
 namespace {
 
-constexpr std::array<std::pair<RayKind, std::string_view>, 4> kNames{{{RayKind::kPrimary, "primary"},
-                                                                      {RayKind::kBounce, "bounce"},
-                                                                      {RayKind::kUniform, "uniform"},
-                                                                      {RayKind::kShadow, "shadow"}}};
-constexpr std::array<RayKind, 4> kKinds{RayKind::kPrimary, RayKind::kBounce, RayKind::kUniform,
-                                        RayKind::kShadow};
+constexpr std::array<std::pair<RayKind, std::string_view>, 6> kNames{{
+    {RayKind::kPrimary, "primary"},
+    {RayKind::kBounce, "bounce"},
+    {RayKind::kUniform, "uniform"},
+    {RayKind::kShadow, "shadow"},
+    {RayKind::kBounceOccluded, "bounce-occluded"},
+    {RayKind::kUniformOccluded, "uniform-occluded"},
+}};
+constexpr std::array<RayKind, 6> kKinds{RayKind::kPrimary,        RayKind::kBounce,
+                                        RayKind::kUniform,        RayKind::kShadow,
+                                        RayKind::kBounceOccluded, RayKind::kUniformOccluded};
+
+/// The kind that has the same rays, asked for their closest hits.
+RayKind closest_kind(RayKind kind) {
+  if (kind == RayKind::kBounceOccluded) return RayKind::kBounce;
+  if (kind == RayKind::kUniformOccluded) return RayKind::kUniform;
+  return kind;
+}
 
 /// A point off a surface, seen from the side of `normal` (unit).
 struct SurfacePoint {
@@ -165,23 +177,17 @@ bool is_traceable(const Ray& ray) {
 
 RaySet make_rays(RayKind kind, const Scene& scene, const StructureUnderTest& reference, std::size_t count,
                  std::uint64_t seed) {
-  Pcg32 random(seed, static_cast<std::uint64_t>(kind));
+  const RayKind source = closest_kind(kind);
+  Pcg32 random(seed, static_cast<std::uint64_t>(source));
   RaySet set{kind, {}};
-  switch (kind) {
-    case RayKind::kPrimary:
-      set.rays = primary_rays(scene, count, random);
-      break;
-    case RayKind::kUniform:
-      set.rays = uniform_rays(scene, count, random);
-      break;
-    case RayKind::kBounce:
-      set.rays = bounce_rays(hit_points(scene, reference, count, random), random);
-      shuffle(set.rays, random);
-      break;
-    case RayKind::kShadow:
-      set.rays = shadow_rays(scene, hit_points(scene, reference, count, random), random);
-      shuffle(set.rays, random);
-      break;
+  if (source == RayKind::kPrimary) {
+    set.rays = primary_rays(scene, count, random);
+  } else if (source == RayKind::kUniform) {
+    set.rays = uniform_rays(scene, count, random);
+  } else {
+    const std::vector<SurfacePoint> points = hit_points(scene, reference, count, random);
+    set.rays = source == RayKind::kBounce ? bounce_rays(points, random) : shadow_rays(scene, points, random);
+    shuffle(set.rays, random);
   }
   std::erase_if(set.rays, [](const Ray& ray) { return !is_traceable(ray); });
   return set;

@@ -9,16 +9,19 @@
 
 namespace stbvh::harness {
 
-enum class RayKind { kPrimary, kBounce, kUniform, kShadow };
+enum class RayKind { kPrimary, kBounce, kUniform, kShadow, kBounceOccluded, kUniformOccluded };
 
 std::string_view ray_kind_name(RayKind kind);
 
-/// Rays of one kind. Shadow rays are traced with occluded, the others with intersect.
+/// Rays of one kind. Shadow rays and the two occluded kinds are traced with occluded, the others with
+/// intersect.
 struct RaySet {
   RayKind kind = RayKind::kPrimary;
   std::vector<Ray> rays;
 
-  bool any_hit() const { return kind == RayKind::kShadow; }
+  bool any_hit() const {
+    return kind == RayKind::kShadow || kind == RayKind::kBounceOccluded || kind == RayKind::kUniformOccluded;
+  }
 };
 
 /// Answer to one ray; `geom_id` is the index of the mesh in the scene, kInvalidId for a miss.

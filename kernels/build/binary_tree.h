@@ -27,10 +27,11 @@ struct BinaryNode {
   BinaryNode* children[2];  ///< null in a leaf
   BinaryLeaf* leaf;         ///< null in an inner node
 
-  /// cost[i]: least expected cost of the subtree as at most i + 1 children of a node above it. Filled by collapse.
+  /// cost[i]: least expected cost of the subtree as at most i + 1 children of a node above it. Filled by
+  /// collapse.
   std::array<float, kWidth> cost;
-  /// How cost[i] is reached: the number of children that come from children[0]; 0: as cost[i-1], or for i = 0 as a
-  /// node (or leaf) of its own.
+  /// How cost[i] is reached: the number of children that come from children[0]; 0: as cost[i-1], or for i = 0
+  /// as a node (or leaf) of its own.
   std::array<std::uint8_t, kWidth> from_left;
   std::uint8_t own_from_left;  ///< of the eight children that the node has as a node of its own
 

@@ -15,8 +15,8 @@ namespace stbvh {
 
 namespace {
 
-constexpr std::size_t kParallelSet = 1024;     ///< sets from this size on are built as tasks of their own
-constexpr std::size_t kSplitDepthLimit = 56;   ///< below, sets are only halved: bounds the depth of the tree
+constexpr std::size_t kParallelSet = 1024;    ///< sets from this size on are built as tasks of their own
+constexpr std::size_t kSplitDepthLimit = 56;  ///< below, sets are only halved: bounds the depth of the tree
 constexpr std::size_t kChunk = 8192;
 
 /// Runs both on the task scheduler where `parallel`, else one after the other. Exceptions of either get out.
@@ -32,11 +32,11 @@ void invoke_both(bool parallel, const F& f, const G& g) {
   try {
     f();
   } catch (...) {
-    group.cancel();
     group.wait();
     throw;
   }
-  group.wait();
+  // Skipped where a task above has thrown: that one's exception gets out in the end.
+  if (group.wait() == tbb::task_group_status::canceled) throw BuildCancelled();
 }
 
 /// Linear bounds over `range` of two subtrees that may be alive in parts of it only.
@@ -86,7 +86,8 @@ void BinaryTree::build() {
   ReferenceSet all = make_references(storage);
   valid_triangles_ = all.size();
   if (all.size() == 0) return;
-  total_work_ = static_cast<double>(all.size()) * std::max(1e-30, static_cast<double>(range_.last) - range_.begin);
+  total_work_ =
+      static_cast<double>(all.size()) * std::max(1e-30, static_cast<double>(range_.last) - range_.begin);
   root_ = build_node(all, 0);
 }
 
@@ -144,7 +145,8 @@ BinaryNode* BinaryTree::build_node(ReferenceSet set, std::size_t depth) {
 
   if (may_choose) {
     const std::optional<TemporalSplit> temporal = find_temporal_split(context_, set);
-    if (temporal && temporal->wanted_share >= kTemporalShare) return split_in_time(set, temporal->halves, depth);
+    if (temporal && temporal->wanted_share >= kTemporalShare)
+      return split_in_time(set, temporal->halves, depth);
   }
   ObjectSplit object;
   if (may_choose && set.size() > 1) object = find_object_split(set);
@@ -162,7 +164,9 @@ BinaryNode* BinaryTree::split_in_time(const ReferenceSet& set, const ClosedTimeR
     if (remade.size() > 0) nodes[half] = build_node(remade, depth + 1);
   };
   // One half after the other where the set is small: its copy is given back before the other is made.
-  invoke_both(set.size() >= kParallelSet, [&] { build_half(0); }, [&] { build_half(1); });
+  invoke_both(
+      set.size() >= kParallelSet, [&] { build_half(0); }, [&] { build_half(1); });
+  if (nodes[0] == nullptr && nodes[1] == nullptr) throw BuildCancelled();  // only where tasks were skipped
   if (nodes[0] == nullptr || nodes[1] == nullptr) return nodes[0] != nullptr ? nodes[0] : nodes[1];
   return make_inner(set.range, nodes[0], nodes[1]);
 }

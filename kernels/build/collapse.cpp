@@ -38,7 +38,8 @@ void update_collapse_cost(BinaryNode& node) {
 namespace {
 
 /// Appends the subtrees that `node` becomes as at most `slots` children.
-std::size_t append(BinaryNode& node, std::size_t slots, std::array<BinaryNode*, kWidth>& children, std::size_t count) {
+std::size_t append(BinaryNode& node, std::size_t slots, std::array<BinaryNode*, kWidth>& children,
+                   std::size_t count) {
   while (slots > 1 && node.from_left[slots - 1] == 0) --slots;
   if (slots == 1) {
     children[count] = &node;

@@ -7,7 +7,8 @@ namespace stbvh {
 
 namespace {
 
-bool same_position(const BuildMesh& mesh, const BuildMesh::SegmentRange& segments, std::uint32_t a, std::uint32_t b) {
+bool same_position(const BuildMesh& mesh, const BuildMesh::SegmentRange& segments, std::uint32_t a,
+                   std::uint32_t b) {
   const std::uint32_t last_step = mesh.is_static() ? 0 : segments.last + 1;
   for (std::uint32_t step = segments.first; step <= last_step; ++step) {
     const Vec3f p = mesh.position(step, a);

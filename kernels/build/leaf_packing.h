@@ -9,8 +9,8 @@
 
 namespace stbvh {
 
-/// The leaf that holds the whole set, if one can. Vertices that differ in index but not in position, at any step
-/// of the leaf, count once.
+/// The leaf that holds the whole set, if one can. Vertices that differ in index but not in position, at any
+/// step of the leaf, count once.
 std::optional<BinaryLeaf> pack_leaf(const BuildContext& context, const ReferenceSet& set);
 
 /// Linear bounds of a leaf over `range`, tighter than those of its references together.

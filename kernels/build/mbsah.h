@@ -1,9 +1,9 @@
-/// The cost model: the motion blur surface area heuristic (Woop et al. 2017, section 3.3) with the leaves that this
-/// implementation really has.
+/// The cost model: the motion blur surface area heuristic (Woop et al. 2017, section 3.3) with the leaves
+/// that this implementation really has.
 ///
-/// The paper's C_leaf counts primitive *segments*. A leaf here holds up to eight triangles over all segments of its
-/// time range and costs the same however many those are, so C_leaf counts leaves; a temporal split then pays only
-/// where it shrinks boxes.
+/// The paper's C_leaf counts primitive *segments*. A leaf here holds up to eight triangles over all segments
+/// of its time range and costs the same however many those are, so C_leaf counts leaves; a temporal split
+/// then pays only where it shrinks boxes.
 #pragma once
 
 #include <cmath>

@@ -24,7 +24,9 @@ void check(bool condition, std::size_t index, const char* what) {
   if (!condition) throw InvalidMesh("mesh " + std::to_string(index) + ": " + what);
 }
 
-bool is_valid_coordinate(float x) { return std::fabs(x) < kMaxCoordinate; }  // false for NaN
+bool is_valid_coordinate(float x) {
+  return std::fabs(x) < kMaxCoordinate;
+}  // false for NaN
 
 }  // namespace
 
@@ -94,7 +96,8 @@ float first_time_of_segment(const TimeGrid& grid, std::uint32_t segment) {
   constexpr float inf = std::numeric_limits<float>::infinity();
   float t = static_cast<float>(grid.begin + fraction * (static_cast<double>(grid.end) - grid.begin));
   t = std::clamp(t, grid.begin, grid.end);
-  while (t > grid.begin && segment_at(grid, std::nextafter(t, -inf)).segment >= segment) t = std::nextafter(t, -inf);
+  while (t > grid.begin && segment_at(grid, std::nextafter(t, -inf)).segment >= segment)
+    t = std::nextafter(t, -inf);
   while (t < grid.end && segment_at(grid, t).segment < segment) t = std::nextafter(t, inf);
   return t;
 }

@@ -49,7 +49,8 @@ class BuildMesh {
   /// Whether all indices are in range and all positions finite and below kMaxCoordinate, in every step.
   bool is_valid(const Triangle& triangle) const;
 
-  /// First and last segment met by the times of `range`, which overlaps the mesh's own. Not for static meshes.
+  /// First and last segment met by the times of `range`, which overlaps the mesh's own. Not for static
+  /// meshes.
   struct SegmentRange {
     std::uint32_t first, last;
   };

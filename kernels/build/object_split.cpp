@@ -173,11 +173,12 @@ std::size_t partition_references(ReferenceSet& set, const ObjectSplit& split) {
     return split.position;
   }
   const Binning binning(set);
-  const auto middle = std::partition(set.references.begin(), set.references.end(), [&](const Reference& reference) {
-    std::array<std::uint32_t, 4> bin;
-    binning.bins(reference.bounds(), bin);
-    return bin[static_cast<std::size_t>(split.axis)] < split.position;
-  });
+  const auto middle =
+      std::partition(set.references.begin(), set.references.end(), [&](const Reference& reference) {
+        std::array<std::uint32_t, 4> bin;
+        binning.bins(reference.bounds(), bin);
+        return bin[static_cast<std::size_t>(split.axis)] < split.position;
+      });
   return static_cast<std::size_t>(middle - set.references.begin());
 }
 
@@ -192,7 +193,8 @@ void ReferenceSet::update_bounds() {
   *this = tbb::parallel_reduce(
       Range(0, size(), kParallelReferences / 4), *this,
       [&](const Range& part, ReferenceSet set) {
-        for (const Reference& reference : references.subspan(part.begin(), part.size())) set.extend(reference);
+        for (const Reference& reference : references.subspan(part.begin(), part.size()))
+          set.extend(reference);
         return set;
       },
       [](ReferenceSet a, const ReferenceSet& b) {

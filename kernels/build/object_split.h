@@ -19,8 +19,8 @@ inline constexpr std::size_t kObjectBins = 32;
 
 ObjectSplit find_object_split(const ReferenceSet& set);
 
-/// Reorders the references of `set` and returns its two sides, bounds included. Where the split separates nothing
-/// (cost infinity) the set is cut in two halves as it stands.
+/// Reorders the references of `set` and returns its two sides, bounds included. Where the split separates
+/// nothing (cost infinity) the set is cut in two halves as it stands.
 std::pair<ReferenceSet, ReferenceSet> apply_object_split(ReferenceSet& set, const ObjectSplit& split);
 
 }  // namespace stbvh

@@ -27,8 +27,8 @@ MotionSamples::MotionSamples(const BuildMesh& mesh, const ClosedTimeRange& range
   if (length > 0) samples[count++] = {1.0f, last.fraction, last.segment};
 }
 
-void sample_bounds(const BuildMesh& mesh, const MotionSamples& samples, std::span<const std::uint32_t> vertices,
-                   std::span<BoundsSample> boxes) {
+void sample_bounds(const BuildMesh& mesh, const MotionSamples& samples,
+                   std::span<const std::uint32_t> vertices, std::span<BoundsSample> boxes) {
   F32x4 pad(0.0f);
   for (std::size_t i = 0; i < samples.count; ++i) {
     const MotionSamples::Sample& sample = samples.samples[i];

@@ -12,8 +12,8 @@
 
 namespace stbvh {
 
-/// Linear bounds over the time range of the set that holds the reference (not stored), and whose they are: the
-/// unused lanes of the lower corners carry the ids.
+/// Linear bounds over the time range of the set that holds the reference (not stored), and whose they are:
+/// the unused lanes of the lower corners carry the ids.
 struct Reference {
   float lower_begin[3];
   std::uint32_t prim;
@@ -31,8 +31,8 @@ struct Reference {
 };
 static_assert(sizeof(Reference) == 64);
 
-/// The times at which bounds of a mesh over a time range must hold, and where its vertices are then: at both ends of
-/// the range and at every step inside it (all motion is linear in between).
+/// The times at which bounds of a mesh over a time range must hold, and where its vertices are then: at both
+/// ends of the range and at every step inside it (all motion is linear in between).
 struct MotionSamples {
   struct Sample {
     float parameter;  ///< of the range, in [0, 1]
@@ -47,12 +47,13 @@ struct MotionSamples {
   MotionSamples(const BuildMesh& mesh, const ClosedTimeRange& range);
 };
 
-/// Boxes of the given vertices at all samples, written to `boxes` (at least samples.count), padded for the rounding
-/// of the segment's fraction (docs/algorithm.md, "What a bound must add up").
-void sample_bounds(const BuildMesh& mesh, const MotionSamples& samples, std::span<const std::uint32_t> vertices,
-                   std::span<BoundsSample> boxes);
+/// Boxes of the given vertices at all samples, written to `boxes` (at least samples.count), padded for the
+/// rounding of the segment's fraction (docs/algorithm.md, "What a bound must add up").
+void sample_bounds(const BuildMesh& mesh, const MotionSamples& samples,
+                   std::span<const std::uint32_t> vertices, std::span<BoundsSample> boxes);
 
-/// Linear bounds of the given vertices over the range of `samples`, by `fit` (shifted_chord or tightest_at_centre).
+/// Linear bounds of the given vertices over the range of `samples`, by `fit` (shifted_chord or
+/// tightest_at_centre).
 LinearBounds motion_bounds(const BuildMesh& mesh, const MotionSamples& samples,
                            std::span<const std::uint32_t> vertices,
                            LinearBounds (*fit)(std::span<const BoundsSample>));

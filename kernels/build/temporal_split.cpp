@@ -19,7 +19,8 @@ constexpr std::size_t kChunk = 4096;
 /// Consecutive references mostly are of one mesh: its samples of the range are made once.
 class ReferenceMaker {
  public:
-  ReferenceMaker(const BuildContext& context, const ClosedTimeRange& range) : context_(context), range_(range) {}
+  ReferenceMaker(const BuildContext& context, const ClosedTimeRange& range)
+      : context_(context), range_(range) {}
 
   /// False where the reference's mesh is not alive in the range.
   bool make(const Reference& reference, LinearBounds& bounds) {
@@ -52,7 +53,8 @@ const BuildMesh* finest_mesh(const BuildContext& context, const ReferenceSet& se
     const BuildMesh& mesh = context.meshes[set.references[i].mesh];
     if (mesh.is_static()) continue;
     // Ties go to the lower index, so that the order of references does not matter.
-    if (finest == nullptr || mesh.grid().segments / mesh.grid().length > finest->grid().segments / finest->grid().length)
+    if (finest == nullptr ||
+        mesh.grid().segments / mesh.grid().length > finest->grid().segments / finest->grid().length)
       finest = &mesh;
   }
   return finest;
@@ -81,8 +83,8 @@ struct Shrinking {
     for (int half = 0; half < 2; ++half) halves[half].extend(other.halves[half]);
   }
 
-  /// From the bounds of one triangle to those of a leaf around it: wider by a multiple of the triangle's own size,
-  /// whatever its motion adds.
+  /// From the bounds of one triangle to those of a leaf around it: wider by a multiple of the triangle's own
+  /// size, whatever its motion adds.
   void grow_to_leaf() {
     const F32x4 size = min(whole.upper_begin - whole.lower_begin, whole.upper_end - whole.lower_end);
     const F32x4 margin = F32x4(0.5f * (kLeafExtent - 1.0f)) * size;
@@ -132,8 +134,8 @@ std::optional<TemporalSplit> find_temporal_split(const BuildContext& context, co
   return split;
 }
 
-ReferenceSet remake_references(const BuildContext& context, const ReferenceSet& set, const ClosedTimeRange& range,
-                               std::span<Reference> storage) {
+ReferenceSet remake_references(const BuildContext& context, const ReferenceSet& set,
+                               const ClosedTimeRange& range, std::span<Reference> storage) {
   const std::size_t chunks = (set.size() + kChunk - 1) / kChunk;
   std::vector<std::size_t> counts(chunks);
   const auto remake_chunk = [&](std::size_t chunk) {
@@ -143,7 +145,8 @@ ReferenceSet remake_references(const BuildContext& context, const ReferenceSet& 
     for (std::size_t i = begin; i < std::min(begin + kChunk, set.size()); ++i) {
       LinearBounds bounds;
       const Reference& reference = set.references[i];
-      if (maker.make(reference, bounds)) storage[out++] = make_reference(bounds, reference.mesh, reference.prim);
+      if (maker.make(reference, bounds))
+        storage[out++] = make_reference(bounds, reference.mesh, reference.prim);
     }
     counts[chunk] = out - begin;
   };

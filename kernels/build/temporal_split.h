@@ -1,5 +1,5 @@
-/// Temporal splits: the time range cut at a step boundary near its centre, references made anew for both halves with
-/// tighter linear bounds (Woop et al. 2017, section 3.2).
+/// Temporal splits: the time range cut at a step boundary near its centre, references made anew for both
+/// halves with tighter linear bounds (Woop et al. 2017, section 3.2).
 #pragma once
 
 #include <optional>
@@ -11,17 +11,19 @@ namespace stbvh {
 
 struct TemporalSplit {
   ClosedTimeRange halves[2];  ///< together the set's range, without a float between them
-  /// Share of the references whose leaf would be split here in any case, as it shrinks enough: 0 to 1. For a set
-  /// small enough for one leaf it is 0 or 1, by the bounds of the whole set.
+  /// Share of the references whose leaf would be split here in any case, as it shrinks enough: 0 to 1. For a
+  /// set small enough for one leaf it is 0 or 1, by the bounds of the whole set.
   float wanted_share = 0.0f;
 };
 
-/// The split at the step boundary nearest to the centre of the range, on the grid of the mesh with the most segments;
-/// none where no mesh has a step inside. Large sets are judged by an evenly spaced sample of their references.
+/// The split at the step boundary nearest to the centre of the range, on the grid of the mesh with the most
+/// segments; none where no mesh has a step inside. Large sets are judged by an evenly spaced sample of their
+/// references.
 std::optional<TemporalSplit> find_temporal_split(const BuildContext& context, const ReferenceSet& set);
 
-/// References of `set` made anew for `range`, those not alive in it dropped; into `storage`, which holds set.size().
-ReferenceSet remake_references(const BuildContext& context, const ReferenceSet& set, const ClosedTimeRange& range,
-                               std::span<Reference> storage);
+/// References of `set` made anew for `range`, those not alive in it dropped; into `storage`, which holds
+/// set.size().
+ReferenceSet remake_references(const BuildContext& context, const ReferenceSet& set,
+                               const ClosedTimeRange& range, std::span<Reference> storage);
 
 }  // namespace stbvh

@@ -36,9 +36,10 @@ Link make_link(LinkKind kind, std::size_t unit) {
   return static_cast<Link>(unit) | (static_cast<Link>(kind) << kLinkKindShift);
 }
 
-/// One face of linear bounds as plane + (t - begin) * slope, evaluated in float with or without fma, outside the line
-/// through (begin, at_begin) and (last, at_last) at every float t between. With m the larger magnitude, rounding of
-/// plane, slope, t - begin, product and sum adds up to less than 9 * 2^-24 * m (docs/algorithm.md).
+/// One face of linear bounds as plane + (t - begin) * slope, evaluated in float with or without fma, outside
+/// the line through (begin, at_begin) and (last, at_last) at every float t between. With m the larger
+/// magnitude, rounding of plane, slope, t - begin, product and sum adds up to less than 9 * 2^-24 * m
+/// (docs/algorithm.md).
 struct Face {
   float plane, slope;
 };
@@ -55,10 +56,12 @@ Face make_face(float at_begin, float at_last, float duration, bool upper) {
 
 void write_planes(const LinearBounds& bounds, float duration, std::size_t slot, float (*planes)[kWidth],
                   float (*slopes)[kWidth]) {
-  const F32x4* corners[2][2] = {{&bounds.lower_begin, &bounds.lower_end}, {&bounds.upper_begin, &bounds.upper_end}};
+  const F32x4* corners[2][2] = {{&bounds.lower_begin, &bounds.lower_end},
+                                {&bounds.upper_begin, &bounds.upper_end}};
   for (int upper = 0; upper < 2; ++upper) {
     for (int axis = 0; axis < 3; ++axis) {
-      const Face face = make_face((*corners[upper][0])[axis], (*corners[upper][1])[axis], duration, upper != 0);
+      const Face face =
+          make_face((*corners[upper][0])[axis], (*corners[upper][1])[axis], duration, upper != 0);
       planes[upper * 3 + axis][slot] = face.plane;
       if (slopes != nullptr) slopes[upper * 3 + axis][slot] = face.slope;
     }
@@ -78,7 +81,8 @@ void write_node(const BinaryNode& node, LinkKind kind, Children children, const 
   if (kind == LinkKind::kStaticNode) {
     StaticNode n{};
     clear_planes(n.planes);
-    for (std::size_t i = 0; i < children.size(); ++i) write_planes(children[i]->bounds, 0.0f, i, n.planes, nullptr);
+    for (std::size_t i = 0; i < children.size(); ++i)
+      write_planes(children[i]->bounds, 0.0f, i, n.planes, nullptr);
     std::copy_n(links, kWidth, n.children);
     std::memcpy(out, &n, sizeof n);
   } else if (kind == LinkKind::kLinearNode) {
@@ -126,7 +130,8 @@ void Encoder::Counts::add(const Counts& other) {
   depth = std::max(depth, other.depth);
 }
 
-Encoder::Encoder(const BuildContext& context, const BinaryTree& tree) : context_(context), root_(tree.root()) {
+Encoder::Encoder(const BuildContext& context, const BinaryTree& tree)
+    : context_(context), root_(tree.root()) {
   if (root_ == nullptr) return;
   counts_ = measure(*root_);
   units_ = root_->units;
@@ -170,7 +175,9 @@ Encoder::Counts Encoder::measure(BinaryNode& node) const {
   return counts;
 }
 
-Link Encoder::encode(std::byte* data) const { return encode_node(*root_, data, 0); }
+Link Encoder::encode(std::byte* data) const {
+  return encode_node(*root_, data, 0);
+}
 
 Link Encoder::encode_node(BinaryNode& node, std::byte* data, std::size_t unit) const {
   if (node.is_leaf()) {

@@ -1,5 +1,5 @@
-/// From the binary tree to the bytes of a structure: collapsed, kinds chosen per node, bounds anchored and rounded
-/// outwards.
+/// From the binary tree to the bytes of a structure: collapsed, kinds chosen per node, bounds anchored and
+/// rounded outwards.
 #pragma once
 
 #include "build/build_context.h"
@@ -15,8 +15,8 @@ class Encoder {
   /// Bytes that encode() writes; 0 for an empty tree.
   std::size_t bytes() const { return units_ * kUnitBytes; }
 
-  /// Writes nodes and leaves to `data` (bytes() of it, aligned to kUnitBytes), each node followed by its leaves, then
-  /// by the subtrees of its inner children. Returns the root's link.
+  /// Writes nodes and leaves to `data` (bytes() of it, aligned to kUnitBytes), each node followed by its
+  /// leaves, then by the subtrees of its inner children. Returns the root's link.
   Link encode(std::byte* data) const;
 
   /// Counts of nodes and leaves, depth: what measuring the tree has found.

@@ -1,7 +1,8 @@
 /// The bytes of a structure: links, three kinds of nodes, two kinds of leaves, the mesh table.
 ///
-/// Nodes and leaves stand in one block of memory, addressed in units of 32 bytes by 32-bit links whose upper two
-/// bits say what the link leads to. Everything here is plain data, read by the traversal of every instruction set.
+/// Nodes and leaves stand in one block of memory, addressed in units of 32 bytes by 32-bit links whose upper
+/// two bits say what the link leads to. Everything here is plain data, read by the traversal of every
+/// instruction set.
 #pragma once
 
 #include <cstddef>
@@ -12,9 +13,9 @@
 
 namespace stbvh {
 
-inline constexpr std::size_t kWidth = 8;           ///< children of a node, triangles and vertices of a leaf
-inline constexpr std::size_t kUnitBytes = 32;      ///< granularity of links
-inline constexpr std::size_t kMaxUnits = 1u << 30; ///< 32 GiB
+inline constexpr std::size_t kWidth = 8;            ///< children of a node, triangles and vertices of a leaf
+inline constexpr std::size_t kUnitBytes = 32;       ///< granularity of links
+inline constexpr std::size_t kMaxUnits = 1u << 30;  ///< 32 GiB
 
 enum class LinkKind : std::uint32_t { kStaticNode = 0, kLinearNode = 1, kSpatialTemporalNode = 2, kLeaf = 3 };
 
@@ -60,7 +61,7 @@ struct alignas(kUnitBytes) LeafHeader {
   std::uint32_t mesh;           ///< index into the mesh table
   std::uint16_t first_segment;  ///< the step that the first StepVertices belongs to
   std::uint8_t triangle_count;
-  std::uint8_t indexed;         ///< 0: inline
+  std::uint8_t indexed;             ///< 0: inline
   std::uint8_t corners[3][kWidth];  ///< vertex slot of each triangle's corners
   std::uint32_t prim_ids[kWidth];
 };
@@ -90,7 +91,7 @@ static_assert(sizeof(MeshRecord) == 32);
 
 /// A structure as the traversal sees it.
 struct StructureView {
-  const std::byte* data;      ///< nodes and leaves
+  const std::byte* data;  ///< nodes and leaves
   const MeshRecord* meshes;
   Link root;
   bool empty;

@@ -18,9 +18,9 @@ struct SegmentTime {
   float fraction;  ///< of the segment, in [0, 1]
 };
 
-/// u = (t - begin) / length * segments; segment min(floor(u), S - 1). Every operation is monotone in t, so the
-/// segments met over a closed range of times are those between its ends. `time` lies in [begin, end], S > 0.
-/// Internal linkage on purpose: this is compiled for several instruction sets (one definition rule).
+/// u = (t - begin) / length * segments; segment min(floor(u), S - 1). Every operation is monotone in t, so
+/// the segments met over a closed range of times are those between its ends. `time` lies in [begin, end], S >
+/// 0. Internal linkage on purpose: this is compiled for several instruction sets (one definition rule).
 static inline SegmentTime segment_at(const TimeGrid& grid, float time) {
   const float u = (time - grid.begin) / grid.length * grid.segments;
   const int last = static_cast<int>(grid.segments) - 1;

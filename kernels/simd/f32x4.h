@@ -26,14 +26,28 @@ struct F32x4 {
   }
 };
 
-inline F32x4 operator+(F32x4 a, F32x4 b) { return _mm_add_ps(a.v, b.v); }
-inline F32x4 operator-(F32x4 a, F32x4 b) { return _mm_sub_ps(a.v, b.v); }
-inline F32x4 operator*(F32x4 a, F32x4 b) { return _mm_mul_ps(a.v, b.v); }
-inline F32x4 min(F32x4 a, F32x4 b) { return _mm_min_ps(a.v, b.v); }
-inline F32x4 max(F32x4 a, F32x4 b) { return _mm_max_ps(a.v, b.v); }
-inline F32x4 abs(F32x4 a) { return _mm_andnot_ps(_mm_set1_ps(-0.0f), a.v); }
+inline F32x4 operator+(F32x4 a, F32x4 b) {
+  return _mm_add_ps(a.v, b.v);
+}
+inline F32x4 operator-(F32x4 a, F32x4 b) {
+  return _mm_sub_ps(a.v, b.v);
+}
+inline F32x4 operator*(F32x4 a, F32x4 b) {
+  return _mm_mul_ps(a.v, b.v);
+}
+inline F32x4 min(F32x4 a, F32x4 b) {
+  return _mm_min_ps(a.v, b.v);
+}
+inline F32x4 max(F32x4 a, F32x4 b) {
+  return _mm_max_ps(a.v, b.v);
+}
+inline F32x4 abs(F32x4 a) {
+  return _mm_andnot_ps(_mm_set1_ps(-0.0f), a.v);
+}
 /// Whether all of x, y, z are equal.
-inline bool equal3(F32x4 a, F32x4 b) { return (_mm_movemask_ps(_mm_cmpeq_ps(a.v, b.v)) & 7) == 7; }
+inline bool equal3(F32x4 a, F32x4 b) {
+  return (_mm_movemask_ps(_mm_cmpeq_ps(a.v, b.v)) & 7) == 7;
+}
 
 /// x*y + y*z + z*x: half the surface area of a box of that size.
 inline float half_area(F32x4 size) {

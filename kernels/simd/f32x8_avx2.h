@@ -8,16 +8,34 @@ struct Mask8 {
   unsigned bits;
 };
 
-inline F32x8 load(const float* p) { return {_mm256_load_ps(p)}; }
-inline F32x8 splat(float x) { return {_mm256_set1_ps(x)}; }
-inline void store(float* p, F32x8 a) { _mm256_store_ps(p, a.v); }
-inline F32x8 operator+(F32x8 a, F32x8 b) { return {_mm256_add_ps(a.v, b.v)}; }
-inline F32x8 operator-(F32x8 a, F32x8 b) { return {_mm256_sub_ps(a.v, b.v)}; }
-inline F32x8 operator*(F32x8 a, F32x8 b) { return {_mm256_mul_ps(a.v, b.v)}; }
-inline F32x8 min(F32x8 a, F32x8 b) { return {_mm256_min_ps(a.v, b.v)}; }
-inline F32x8 max(F32x8 a, F32x8 b) { return {_mm256_max_ps(a.v, b.v)}; }
+inline F32x8 load(const float* p) {
+  return {_mm256_load_ps(p)};
+}
+inline F32x8 splat(float x) {
+  return {_mm256_set1_ps(x)};
+}
+inline void store(float* p, F32x8 a) {
+  _mm256_store_ps(p, a.v);
+}
+inline F32x8 operator+(F32x8 a, F32x8 b) {
+  return {_mm256_add_ps(a.v, b.v)};
+}
+inline F32x8 operator-(F32x8 a, F32x8 b) {
+  return {_mm256_sub_ps(a.v, b.v)};
+}
+inline F32x8 operator*(F32x8 a, F32x8 b) {
+  return {_mm256_mul_ps(a.v, b.v)};
+}
+inline F32x8 min(F32x8 a, F32x8 b) {
+  return {_mm256_min_ps(a.v, b.v)};
+}
+inline F32x8 max(F32x8 a, F32x8 b) {
+  return {_mm256_max_ps(a.v, b.v)};
+}
 /// a * b + c, rounded once here (the scalar twin rounds twice: only for what is padded for either).
-inline F32x8 multiply_add(F32x8 a, F32x8 b, F32x8 c) { return {_mm256_fmadd_ps(a.v, b.v, c.v)}; }
+inline F32x8 multiply_add(F32x8 a, F32x8 b, F32x8 c) {
+  return {_mm256_fmadd_ps(a.v, b.v, c.v)};
+}
 inline Mask8 less_equal(F32x8 a, F32x8 b) {
   return {static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ)))};
 }
@@ -36,4 +54,6 @@ inline Slots8 load_slots(const std::uint8_t* p) {
   return {_mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p)))};
 }
 /// out[i] = a[slots[i]]
-inline F32x8 permute(F32x8 a, Slots8 slots) { return {_mm256_permutevar8x32_ps(a.v, slots.v)}; }
+inline F32x8 permute(F32x8 a, Slots8 slots) {
+  return {_mm256_permutevar8x32_ps(a.v, slots.v)};
+}

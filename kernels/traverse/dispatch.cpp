@@ -6,7 +6,9 @@
 
 namespace stbvh {
 
-std::string_view isa_name(Isa isa) { return isa == Isa::kAvx2 ? "avx2" : "scalar"; }
+std::string_view isa_name(Isa isa) {
+  return isa == Isa::kAvx2 ? "avx2" : "scalar";
+}
 
 std::vector<Isa> available_isas() {
   std::vector<Isa> isas{Isa::kScalar};
@@ -24,7 +26,8 @@ Isa choose_isa() {
     for (const Isa isa : isas) {
       if (isa_name(isa) == wanted) return isa;
     }
-    std::fprintf(stderr, "stbvh: STBVH_ISA=%s is not available here, using %s\n", wanted, isa_name(best).data());
+    std::fprintf(stderr, "stbvh: STBVH_ISA=%s is not available here, using %s\n", wanted,
+                 isa_name(best).data());
   } else if (best == Isa::kScalar) {
     std::fprintf(stderr, "stbvh: this machine has no AVX2 with FMA, using the scalar traversal\n");
   }
@@ -38,6 +41,8 @@ Isa default_isa() {
   return isa;
 }
 
-const KernelTable& kernel_table(Isa isa) { return isa == Isa::kAvx2 ? kAvx2Kernels : kScalarKernels; }
+const KernelTable& kernel_table(Isa isa) {
+  return isa == Isa::kAvx2 ? kAvx2Kernels : kScalarKernels;
+}
 
 }  // namespace stbvh

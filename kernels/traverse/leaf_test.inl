@@ -1,24 +1,28 @@
 // Ray against a leaf of up to eight triangles over up to eight vertices. Part of the traversal sources.
 //
-// The watertight test of Woop, Benthin and Wald (JCGT 2013), split in two. For all eight triangles at once, in float
-// and without fma: a product rounded to float is monotone, so a difference of two products has the right sign or is
-// zero, and a triangle whose edge functions have both signs is missed for certain. What is left over is decided in
-// double, where the products are exact, and the difference of two keeps its sign: edge functions of the two triangles
-// of an edge are exactly opposite. Both see the same vertices: interpolated once for each vertex, always alike.
+// The watertight test of Woop, Benthin and Wald (JCGT 2013), split in two. For all eight triangles at once,
+// in float and without fma: a product rounded to float is monotone, so a difference of two products has the
+// right sign or is zero, and a triangle whose edge functions have both signs is missed for certain. What is
+// left over is decided in double, where the products are exact, and the difference of two keeps its sign:
+// edge functions of the two triangles of an edge are exactly opposite. Both see the same vertices:
+// interpolated once for each vertex, always alike.
 
 /// Vertices of a leaf relative to the ray's origin at the ray's time, axes in the order (kx, ky, kz).
 struct LeafVertices {
   F32x8 x, y, z;
 };
 
-inline F32x8 relative(const float* position, F32x8 origin) { return load(position) - origin; }
+inline F32x8 relative(const float* position, F32x8 origin) {
+  return load(position) - origin;
+}
 
 /// (1 - f) * p_k + f * p_{k+1}; the origin is taken off first, before anything could cancel.
 inline F32x8 interpolate(const float* p0, const float* p1, F32x8 origin, F32x8 f0, F32x8 f1) {
   return f0 * relative(p0, origin) + f1 * relative(p1, origin);
 }
 
-inline LeafVertices leaf_vertices(const TraversalRay& ray, const StepVertices& v0, const StepVertices& v1, float f) {
+inline LeafVertices leaf_vertices(const TraversalRay& ray, const StepVertices& v0, const StepVertices& v1,
+                                  float f) {
   const F32x8 f0 = splat(1.0f - f);
   const F32x8 f1 = splat(f);
   const auto axis = [&](int k) {
@@ -63,13 +67,13 @@ inline LeafVertices load_leaf(const TraversalRay& ray, const LeafHeader& leaf, c
 
 /// Candidates of one leaf, in memory for the scalar part.
 struct ShearedVertices {
-  alignas(32) float x[kWidth], y[kWidth];            ///< sheared: the ray is at (0, 0)
-  alignas(32) float axis[3][kWidth];                 ///< relative to the origin, order (kx, ky, kz)
+  alignas(32) float x[kWidth], y[kWidth];  ///< sheared: the ray is at (0, 0)
+  alignas(32) float axis[3][kWidth];       ///< relative to the origin, order (kx, ky, kz)
 };
 
 /// Decides triangle `i` in double. True, and t, u, v of the hit, if the ray's line meets it (edges included).
-inline bool decide(const TraversalRay& ray, const LeafHeader& leaf, const ShearedVertices& s, unsigned i, float& t,
-                   float& u, float& v) {
+inline bool decide(const TraversalRay& ray, const LeafHeader& leaf, const ShearedVertices& s, unsigned i,
+                   float& t, float& u, float& v) {
   const std::uint8_t a = leaf.corners[0][i], b = leaf.corners[1][i], c = leaf.corners[2][i];
   const double ax = s.x[a], ay = s.y[a], bx = s.x[b], by = s.y[b], cx = s.x[c], cy = s.y[c];
   const double wa = cx * by - cy * bx;
@@ -86,7 +90,8 @@ inline bool decide(const TraversalRay& ray, const LeafHeader& leaf, const Sheare
   return true;
 }
 
-inline Vec3f triangle_normal(const TraversalRay& ray, const LeafHeader& leaf, const ShearedVertices& s, unsigned i) {
+inline Vec3f triangle_normal(const TraversalRay& ray, const LeafHeader& leaf, const ShearedVertices& s,
+                             unsigned i) {
   const std::uint8_t a = leaf.corners[0][i], b = leaf.corners[1][i], c = leaf.corners[2][i];
   float e1[3], e2[3];
   const int order[3] = {ray.kx, ray.ky, ray.kz};

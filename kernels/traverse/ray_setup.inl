@@ -4,22 +4,24 @@
 /// overflows: boxes are met at s = t * |direction[kz]|.
 struct TraversalRay {
   float origin[3];
-  float near_origin[3];    ///< moved outwards for the near planes, see ray_slack()
+  float near_origin[3];  ///< moved outwards for the near planes, see ray_slack()
   float far_origin[3];
-  float inverse[3];        ///< 1 / (direction[i] / |direction[kz]|), finite
+  float inverse[3];           ///< 1 / (direction[i] / |direction[kz]|), finite
   std::size_t near_plane[3];  ///< index of the near plane of each axis
   std::size_t far_plane[3];
-  int kx, ky, kz;          ///< kz: the axis of the largest direction component (Woop, Benthin, Wald 2013)
+  int kx, ky, kz;  ///< kz: the axis of the largest direction component (Woop, Benthin, Wald 2013)
   float shear_x, shear_y;
-  double inverse_z;        ///< 1 / direction[kz]
+  double inverse_z;  ///< 1 / direction[kz]
   float time;
-  float tnear, tfar;       ///< of the query, tfar that of the closest hit so far
-  float s_near, s_far;     ///< the same for boxes
-  float s_scale;           ///< |direction[kz]|
+  float tnear, tfar;    ///< of the query, tfar that of the closest hit so far
+  float s_near, s_far;  ///< the same for boxes
+  float s_scale;        ///< |direction[kz]|
   std::uint32_t mask;
 };
 
-inline bool is_finite(float x) { return std::fabs(x) <= 3.402823466e38f; }
+inline bool is_finite(float x) {
+  return std::fabs(x) <= 3.402823466e38f;
+}
 
 inline float largest_distance(const Box3f& box, const float (&o)[3]) {
   const float lower[3] = {box.lower.x, box.lower.y, box.lower.z};
@@ -34,14 +36,16 @@ inline float largest_distance(const Box3f& box, const float (&o)[3]) {
   return d;
 }
 
-/// How far the triangle test may see a vertex from where it is: its translation, interpolation and shear each round,
-/// relative to the distance of the vertex, which is at most that of the farthest corner of the scene. Adds up to
-/// 10 * 2^-24; rounding of the slab distances takes 4 more (docs/algorithm.md).
+/// How far the triangle test may see a vertex from where it is: its translation, interpolation and shear each
+/// round, relative to the distance of the vertex, which is at most that of the farthest corner of the scene.
+/// Adds up to 10 * 2^-24; rounding of the slab distances takes 4 more (docs/algorithm.md).
 inline float ray_slack(const StructureView& structure, const float (&o)[3]) {
   return 0x1p-20f * largest_distance(structure.bounds, o);
 }
 
-inline void update_s_far(TraversalRay& r) { r.s_far = r.tfar * r.s_scale * (1.0f + 0x1p-21f); }
+inline void update_s_far(TraversalRay& r) {
+  r.s_far = r.tfar * r.s_scale * (1.0f + 0x1p-21f);
+}
 
 /// False for a ray that hits nothing: not finite, of zero direction, or at a time outside the structure's.
 inline bool setup_ray(const StructureView& structure, const Ray& ray, TraversalRay& r) {

@@ -11,9 +11,13 @@
 
 namespace stbvh {
 namespace {
+// In this order; the blank lines keep clang-format from sorting them.
 #include "simd/f32x8_avx2.h"
+
 #include "traverse/ray_setup.inl"
+
 #include "traverse/leaf_test.inl"
+
 #include "traverse/traverse.inl"
 }  // namespace
 

@@ -9,9 +9,13 @@
 
 namespace stbvh {
 namespace {
+// In this order; the blank lines keep clang-format from sorting them.
 #include "simd/f32x8_scalar.h"
+
 #include "traverse/ray_setup.inl"
+
 #include "traverse/leaf_test.inl"
+
 #include "traverse/traverse.inl"
 }  // namespace
 

@@ -14,16 +14,16 @@
 namespace stbvh::harness {
 namespace {
 
-struct Run {
+struct Outcome {
   int exit_code;
   std::string out;  ///< stdout and stderr
 };
 
 /// Runs the built program.
-Run stbvh_ab(const std::string& arguments) {
+Outcome stbvh_ab(const std::string& arguments) {
   const std::string command = std::string(STBVH_AB) + " " + arguments + " 2>&1";
   FILE* pipe = popen(command.c_str(), "r");
-  Run run{-1, ""};
+  Outcome run{-1, ""};
   char buffer[4096];
   while (const std::size_t n = fread(buffer, 1, sizeof(buffer), pipe)) run.out.append(buffer, n);
   const int status = pclose(pipe);
@@ -34,7 +34,7 @@ Run stbvh_ab(const std::string& arguments) {
 class Refused : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(Refused, WithOneLineAndExitCodeTwo) {
-  const Run run = stbvh_ab(GetParam());
+  const Outcome run = stbvh_ab(GetParam());
   EXPECT_EQ(run.exit_code, 2) << run.out;
   EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 1) << run.out;
   EXPECT_TRUE(run.out.starts_with("stbvh-ab: ")) << run.out;
@@ -69,7 +69,7 @@ TEST(Program, SuggestsTheClosestName) {
 }
 
 TEST(Program, ListsAndHelps) {
-  const Run list = stbvh_ab("list");
+  const Outcome list = stbvh_ab("list");
   EXPECT_EQ(list.exit_code, 0);
   for (const char* name : {"barbershop", "static-city", "stbvh-direct", "lbvh-4v", "uniform"}) {
     EXPECT_NE(list.out.find(name), std::string::npos) << name;
@@ -80,7 +80,7 @@ TEST(Program, ListsAndHelps) {
 }
 
 TEST(Program, FullDiskIsReportedAfterTheTable) {
-  const Run run = stbvh_ab(
+  const Outcome run = stbvh_ab(
       "error --scenes wheels --scale 0.01 --structures embree --count 100 --rays primary --json /dev/full");
   EXPECT_EQ(run.exit_code, 2) << run.out;
   EXPECT_NE(run.out.find("Cannot write to \"/dev/full\""), std::string::npos) << run.out;
@@ -91,7 +91,7 @@ class Records : public ::testing::Test {
   void TearDown() override { std::filesystem::remove(file_); }
 
   nlohmann::json records(const std::string& arguments) const {
-    const Run run = stbvh_ab(arguments + " --json " + file_.string());
+    const Outcome run = stbvh_ab(arguments + " --json " + file_.string());
     EXPECT_EQ(run.exit_code, 0) << run.out;
     std::ifstream stream(file_);
     return nlohmann::json::parse(stream).at("records");
@@ -112,7 +112,9 @@ TEST_F(Records, OfBenchHoldEveryStructureAndKind) {
     EXPECT_GT(r["mrays_per_s"], 0.0);
     EXPECT_LE(r["mrays_per_s_min"], r["mrays_per_s"]);
     EXPECT_GE(r["mrays_per_s_max"], r["mrays_per_s"]);
-    if (r["structure"] == "embree") EXPECT_EQ(r["ratio_to_embree"], 1.0);
+    if (r["structure"] == "embree") {
+      EXPECT_EQ(r["ratio_to_embree"], 1.0);
+    }
   }
 }
 

@@ -184,7 +184,7 @@ TEST(OracleCull, ChangesNothingInMixedSteps) {
 
 TEST(OracleCull, ChangesNothingInProceduralScenes) {
   for (const char* name : {"wheels", "crowd"}) {
-    expect_cull_changes_nothing(find_procedural_scene(name)->make(0.01, 1), 200);
+    expect_cull_changes_nothing(find_procedural_scene(name)->make(0.01, 1), 50);
   }
 }
 

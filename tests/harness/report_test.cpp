@@ -30,7 +30,9 @@ Report small_report() {
 }
 
 TEST(Json, HasTheFieldsThatOthersRead) {
-  const auto json = nlohmann::json::parse(to_json(small_report(), Machine{.cpu = "c"}, "abc"));
+  Machine machine;
+  machine.cpu = "c";
+  const auto json = nlohmann::json::parse(to_json(small_report(), machine, "abc"));
   EXPECT_EQ(json.at("machine").at("cpu"), "c");
   EXPECT_EQ(json.at("commit"), "abc");
   ASSERT_EQ(json.at("records").size(), 3u);
@@ -60,7 +62,7 @@ TEST(Json, RatioWithoutReferenceIsNull) {
 TEST(Json, NamesThatAreNotUtf8StayReadable) {
   Report report = small_report();
   report.builds[0].scene = "\xff";
-  EXPECT_NO_THROW(static_cast<void>(nlohmann::json::parse(to_json(report, Machine{}, ""))));
+  EXPECT_TRUE(nlohmann::json::accept(to_json(report, Machine{}, "")));
 }
 
 class ReportFile : public ::testing::Test {

@@ -1,6 +1,7 @@
 /// Small scenes for the harness's tests.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
@@ -57,7 +58,7 @@ inline Scene mixed_step_scene(std::size_t triangles_per_mesh = 300) {
   scene.camera.position = {5, 5, 30};
   scene.camera.target = {5, 5, 5};
   Pcg32 random(7);
-  for (std::size_t steps : {1, 2, 3, 4, 6, 7, 3, 5}) {
+  for (std::size_t steps : std::initializer_list<std::size_t>{1, 2, 3, 4, 6, 7, 3, 5}) {
     scene.meshes.push_back(wandering_triangles(triangles_per_mesh, steps, random));
   }
   scene.meshes[6].time_range = {0.25f, 0.75f};

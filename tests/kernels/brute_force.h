@@ -9,8 +9,8 @@
 
 namespace stbvh::test {
 
-/// One structure for each triangle: its root is the leaf, so that nothing is culled. What this accepts, a tree over
-/// the same triangles must find.
+/// One structure for each triangle: its root is the leaf, so that nothing is culled. What this accepts, a
+/// tree over the same triangles must find.
 class BruteForce {
  public:
   explicit BruteForce(std::span<const MeshView> meshes, const BuildSettings& settings = {}) {

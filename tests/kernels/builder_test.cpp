@@ -53,9 +53,10 @@ TEST(Builder, StatisticsAddUpToTheBytes) {
   const BuildStatistics& s = structure->statistics();
   const std::size_t triangles = meshes[0].indices.size() / 3 + 3000 + meshes[2].indices.size() / 3 + 500;
   EXPECT_EQ(s.triangles, triangles);
-  EXPECT_EQ(s.primitive_segments, meshes[0].indices.size() / 3 * 8 + 3000 * 4 + meshes[2].indices.size() / 3 + 500 * 16);
-  const std::size_t node_bytes =
-      s.nodes[0] * sizeof(StaticNode) + s.nodes[1] * sizeof(LinearNode) + s.nodes[2] * sizeof(SpatialTemporalNode);
+  EXPECT_EQ(s.primitive_segments,
+            meshes[0].indices.size() / 3 * 8 + 3000 * 4 + meshes[2].indices.size() / 3 + 500 * 16);
+  const std::size_t node_bytes = s.nodes[0] * sizeof(StaticNode) + s.nodes[1] * sizeof(LinearNode) +
+                                 s.nodes[2] * sizeof(SpatialTemporalNode);
   EXPECT_GE(s.structure_bytes, node_bytes + s.leaf_bytes);
   EXPECT_LE(s.structure_bytes, node_bytes + s.leaf_bytes + 8192);
   EXPECT_GE(s.peak_bytes, s.structure_bytes);
@@ -77,7 +78,7 @@ TEST(Builder, IndexedLeavesAreChosenByTheNumberOfSteps) {
 
 TEST(Builder, InvalidPrimitivesAreLeftOutAndCounted) {
   TestMesh mesh = test::soup(100, 3, 5);
-  mesh.indices[0] = 300;          // triangle 0: index out of range
+  mesh.indices[0] = 300;  // triangle 0: index out of range
   mesh.indices[3 * 7] = 0xFFFFFFFFu;
   mesh.positions[1][3 * 20].y = std::numeric_limits<float>::quiet_NaN();  // triangle 20, one step only
   mesh.positions[2][3 * 30].z = std::numeric_limits<float>::infinity();

@@ -42,7 +42,8 @@ inline Vec3f tumble(Vec3f p, float t) {
   const float angle = 2.0f * t;
   const float bulge = 1.0f + 0.2f * std::sin(5.0f * t + 3.0f * p.z);
   const float x = p.x * bulge, y = p.y * bulge;
-  return {x * std::cos(angle) - y * std::sin(angle) + 0.7f * t, x * std::sin(angle) + y * std::cos(angle), p.z};
+  return {x * std::cos(angle) - y * std::sin(angle) + 0.7f * t, x * std::sin(angle) + y * std::cos(angle),
+          p.z};
 }
 
 inline void animate(TestMesh& mesh, const std::vector<Vec3f>& rest, std::size_t steps, const Motion& motion) {
@@ -93,7 +94,9 @@ class Random {
   std::uint32_t bits() { return static_cast<std::uint32_t>(engine_()); }
   float unit() { return static_cast<float>(bits() >> 8) * 0x1p-24f; }
   float between(float a, float b) { return a + (b - a) * unit(); }
-  Vec3f point(float extent) { return {between(-extent, extent), between(-extent, extent), between(-extent, extent)}; }
+  Vec3f point(float extent) {
+    return {between(-extent, extent), between(-extent, extent), between(-extent, extent)};
+  }
 
  private:
   std::mt19937 engine_;

@@ -82,7 +82,8 @@ TEST_P(TraversalOnIsa, HitDataDescribeThePointOnTheTriangle) {
     EXPECT_EQ(hit.geom_id, mesh.geom_id);
     const double segments = static_cast<double>(mesh.positions.size() - 1);
     const double length = static_cast<double>(mesh.time_range.end) - mesh.time_range.begin;
-    const double u = segments == 0 ? 0 : (static_cast<double>(ray.time) - mesh.time_range.begin) / length * segments;
+    const double u =
+        segments == 0 ? 0 : (static_cast<double>(ray.time) - mesh.time_range.begin) / length * segments;
     const auto k = static_cast<std::size_t>(std::min(u, segments - 1 + (segments == 0)));
     const double f = u - static_cast<double>(k);
     double p[3][3];
@@ -140,7 +141,7 @@ TEST_P(TraversalOnIsa, RaysThatAreNotFiniteHitNothing) {
     for (const float bad : {kNan, kInf, -kInf}) {
       for (int what = 0; what < 7; ++what) {
         Ray ray = test::random_ray(random);
-        float* fields[] = {&ray.origin.x, &ray.origin.y, &ray.origin.z, &ray.direction.x,
+        float* fields[] = {&ray.origin.x,    &ray.origin.y,    &ray.origin.z, &ray.direction.x,
                            &ray.direction.y, &ray.direction.z, &ray.time};
         *fields[what] = bad;
         Hit hit;

@@ -33,7 +33,8 @@ Vec3f at(const TestMesh& mesh, std::uint32_t vertex, float time) {
   return {(1 - f) * a.x + f * b.x, (1 - f) * a.y + f * b.y, (1 - f) * a.z + f * b.z};
 }
 
-/// Rays from near the centre of a closed moving sphere at its vertices and at points of its edges: all must hit.
+/// Rays from near the centre of a closed moving sphere at its vertices and at points of its edges: all must
+/// hit.
 std::size_t count_leaks(const Structure& structure, const TestMesh& mesh, Isa isa, Vec3f centre, int rays) {
   Random random(21);
   std::size_t leaks = 0;

@@ -29,7 +29,8 @@ struct BuildCallbacks {
 };
 
 struct BuildSettings {
-  /// A leaf over more steps than this keeps vertex indices instead of the vertices (0: every leaf is indexed).
+  /// A leaf over more steps than this keeps vertex indices instead of the vertices (0: every leaf is
+  /// indexed).
   std::size_t max_inline_steps = kMaxSteps;
 };
 
@@ -54,10 +55,10 @@ struct BuildStatistics {
   std::array<std::size_t, 3> node_children{};
   std::size_t inline_leaves = 0;
   std::size_t indexed_leaves = 0;
-  std::size_t leaf_triangles = 0;    ///< triangles in leaves, counted once for each leaf that holds them
+  std::size_t leaf_triangles = 0;  ///< triangles in leaves, counted once for each leaf that holds them
   std::size_t leaf_bytes = 0;
   std::size_t temporal_splits = 0;
-  std::size_t depth = 0;             ///< nodes from the root to the deepest leaf
+  std::size_t depth = 0;  ///< nodes from the root to the deepest leaf
 };
 
 /// A ray in the conventions of Embree: hits with tnear < t <= tfar, direction not normalised.
@@ -72,8 +73,8 @@ struct Ray {
 
 inline constexpr std::uint32_t kInvalidId = 0xFFFFFFFFu;
 
-/// Hit data as Embree's triangles give it: point = (1-u-v) p_0 + u p_1 + v p_2 of the triangle interpolated at the
-/// ray's time, normal = cross(p_1 - p_0, p_2 - p_0), not normalised.
+/// Hit data as Embree's triangles give it: point = (1-u-v) p_0 + u p_1 + v p_2 of the triangle interpolated
+/// at the ray's time, normal = cross(p_1 - p_0, p_2 - p_0), not normalised.
 struct Hit {
   float t;
   float u, v;
@@ -83,7 +84,8 @@ struct Hit {
   std::uint32_t mesh;     ///< index of the mesh in the span given to build()
 };
 
-/// Asked for each candidate hit (nearest found so far, not yet final); false rejects it and traversal goes on.
+/// Asked for each candidate hit (nearest found so far, not yet final); false rejects it and traversal goes
+/// on.
 struct HitFilter {
   bool (*accept)(void* user, const Ray& ray, const Hit& candidate) = nullptr;
   void* user = nullptr;
@@ -101,12 +103,13 @@ class Structure {
  public:
   /// Builds over `meshes` (Woop et al. 2017, section 3). The tree is the same for any number of threads.
   /// Throws InvalidMesh, BuildCancelled, std::bad_alloc, and what the callbacks throw.
-  static std::unique_ptr<Structure> build(std::span<const MeshView> meshes, const BuildSettings& settings = {},
+  static std::unique_ptr<Structure> build(std::span<const MeshView> meshes,
+                                          const BuildSettings& settings = {},
                                           const BuildCallbacks& callbacks = {});
   virtual ~Structure() = default;
 
-  /// Closest hit in (tnear, tfar]; false, and `hit` untouched, if there is none. A ray that is not finite (or of
-  /// zero direction, or at a time outside [0, 1]) hits nothing.
+  /// Closest hit in (tnear, tfar]; false, and `hit` untouched, if there is none. A ray that is not finite (or
+  /// of zero direction, or at a time outside [0, 1]) hits nothing.
   virtual bool intersect(const Ray& ray, Hit& hit, const HitFilter* filter = nullptr) const = 0;
   /// Whether anything is hit in (tnear, tfar].
   virtual bool occluded(const Ray& ray, const HitFilter* filter = nullptr) const = 0;

@@ -1,0 +1,32 @@
+# Shell functions that harness/run, tests/run and .ci/run share; to be sourced by bash.
+
+# What the build needs beyond Debian 12's base system, and what the tests and CI need besides.
+build_packages=(cmake ninja-build g++ git libembree-dev libtbb-dev libfmt-dev libpng-dev libtinygltf-dev
+  nlohmann-json3-dev libcli11-dev)
+test_packages=(libgtest-dev)
+format_packages=(clang-format)
+
+# ensure_packages PACKAGE...: installs those that are missing; touches neither apt nor the network if none is.
+ensure_packages() {
+  local missing=() package
+  for package in "$@"; do
+    if [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" != installed ]; then
+      missing+=("$package")
+    fi
+  done
+  [ ${#missing[@]} -gt 0 ] || return 0
+  echo "installing ${missing[*]}" >&2
+  local as_root=()
+  if [ "$(id -u)" -ne 0 ]; then
+    command -v sudo >/dev/null || { echo "neither root nor sudo: please install ${missing[*]}" >&2; return 1; }
+    as_root=(sudo)
+  fi
+  "${as_root[@]}" apt-get update -q
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}"
+}
+
+# build_release TARGET...: configures build/release below the current folder and builds the targets there.
+build_release() {
+  cmake --preset release
+  cmake --build --preset release --target "$@"
+}
