@@ -52,7 +52,9 @@ void add_trace_options(CLI::App& app, Arguments& a, std::size_t default_count) {
   app.add_option("--structures", a.options.structures, "What to compare, or all; separated by commas")
       ->delimiter(',')
       ->default_str("all");
-  app.add_option("--rays", a.rays, "primary, bounce, uniform, shadow")->delimiter(',')->capture_default_str();
+  app.add_option("--rays", a.rays, "primary, bounce, uniform, shadow, bounce-occluded, uniform-occluded")
+      ->delimiter(',')
+      ->capture_default_str();
   app.add_option("--count", a.options.count, "Rays of each kind")->default_str(std::to_string(default_count));
   app.add_option("--threads", a.options.threads, "Threads, each pinned to a core; also of the builds")
       ->default_str("all cores");

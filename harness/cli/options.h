@@ -14,7 +14,7 @@
 namespace stbvh::harness {
 
 /// Rays of each kind where --count is not given.
-inline constexpr std::size_t kDefaultBenchRays = 200'000;
+inline constexpr std::size_t kDefaultBenchRays = 100'000;
 inline constexpr std::size_t kDefaultErrorRays = 20'000;
 
 enum class Command { kList, kBench, kError, kPicture };

@@ -30,6 +30,7 @@ bool is_traceable(const Ray& ray);
 /// shadow:  from such points, half to one light above the scene, half to random points of a sky; shuffled.
 /// uniform: from random points of the scene's bounds, half in random directions, half to random points on
 /// geometry.
+/// bounce-occluded, uniform-occluded: the rays of bounce and uniform, asked whether anything is in their way.
 ///
 /// Hit points are `reference`'s, never those of a structure under test, and lie off the surface by some tens
 /// of its roundings. Where the camera sees nothing, rays to random points on geometry find them; where these

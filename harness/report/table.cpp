@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace stbvh::harness {
 namespace {
 
 constexpr double kMega = 1e6;
+constexpr std::size_t kSpeedColumns = 4;  // side by side, before another block begins
 
 /// The names in the order in which they first occur.
 template <class Result, class Name>
@@ -37,6 +39,22 @@ std::string speed_cell(const SpeedResult& r) {
   if (!r.ratio_to_embree) return "- " + mrays;
   return fmt::format("{:.2f} ({:.2f}-{:.2f}) {}", r.ratio_to_embree->median, r.ratio_to_embree->min,
                      r.ratio_to_embree->max, mrays);
+}
+
+/// Speeds of a few kinds of rays side by side.
+std::string speed_columns(const std::vector<SpeedResult>& results, std::span<const std::string> kinds) {
+  std::string text = fmt::format("{:<15}", "structure");
+  for (const std::string& kind : kinds) text += fmt::format("{:>25}", kind);
+  text += "\n";
+  for (const std::string& structure : distinct(results, [](const SpeedResult& r) { return r.structure; })) {
+    text += fmt::format("{:<15}", structure);
+    for (const std::string& kind : kinds) {
+      const SpeedResult* r = find(results, structure, kind);
+      text += fmt::format("{:>25}", r == nullptr ? "-" : speed_cell(*r));
+    }
+    text += "\n";
+  }
+  return text;
 }
 
 std::string hit_line(const std::vector<SpeedResult>& results, const std::vector<std::string>& kinds) {
@@ -104,18 +122,11 @@ std::string speed_table(const std::vector<SpeedResult>& results) {
   if (results.empty()) return "";
   const auto kinds = distinct(results, [](const SpeedResult& r) { return r.rays; });
   std::string text = fmt::format(
-      "speed, {} threads, {} repeats (ratio to embree and its least and largest in a repeat; "
-      "Mrays/s)\n{:<15}",
-      results.front().threads, results.front().repeats, "structure");
-  for (const std::string& kind : kinds) text += fmt::format("{:>25}", kind);
-  text += "\n";
-  for (const std::string& structure : distinct(results, [](const SpeedResult& r) { return r.structure; })) {
-    text += fmt::format("{:<15}", structure);
-    for (const std::string& kind : kinds) {
-      const SpeedResult* r = find(results, structure, kind);
-      text += fmt::format("{:>25}", r == nullptr ? "-" : speed_cell(*r));
-    }
-    text += "\n";
+      "speed, {} threads, {} repeats (ratio to embree and its least and largest in a repeat; Mrays/s)\n",
+      results.front().threads, results.front().repeats);
+  for (std::size_t first = 0; first < kinds.size(); first += kSpeedColumns) {
+    const std::size_t last = std::min(first + kSpeedColumns, kinds.size());
+    text += speed_columns(results, std::span(kinds).subspan(first, last - first));
   }
   return text + hit_line(results, kinds) +
          "Debian's Embree carries assertions, which cost it 1 to 4 % of its speed.\n";
@@ -123,13 +134,13 @@ std::string speed_table(const std::vector<SpeedResult>& results) {
 
 std::string error_table(const std::vector<ErrorResult>& results) {
   if (results.empty()) return "";
-  std::string text = fmt::format("{:<15}{:<9}{:>8}{:>8}{:>14}{:>14}{:>14}{:>7}{:>10}{:>10}{:>10}{:>10}\n",
+  std::string text = fmt::format("{:<15}{:<17}{:>8}{:>8}{:>14}{:>14}{:>14}{:>7}{:>10}{:>10}{:>10}{:>10}\n",
                                  "structure", "rays", "traced", "hits", "missed", "false", "wrong", "ties",
                                  "rounding", "t err p50", "p99", "max");
   for (const ErrorResult& r : results) {
     const auto or_dash = [&](const std::string& s) { return r.is_any_hit ? std::string("-") : s; };
     text += fmt::format(
-        "{:<15}{:<9}{:>8}{:>8}{:>14}{:>14}{:>14}{:>7}{:>10}{:>10}{:>10}{:>10}\n", r.structure, r.rays,
+        "{:<15}{:<17}{:>8}{:>8}{:>14}{:>14}{:>14}{:>7}{:>10}{:>10}{:>10}{:>10}\n", r.structure, r.rays,
         r.traced, r.oracle_hits, bad_count(r.missed, r.traced), bad_count(r.false_hits, r.traced),
         or_dash(bad_count(r.wrong_primitive, r.traced)), or_dash(fmt::format("{}", r.ties)),
         fmt::format("{}/{}", r.within_rounding, r.near_edge),
@@ -147,7 +158,7 @@ std::string speed_summary(const Report& report) {
   const auto kinds = distinct(report.speeds, [](const SpeedResult& r) { return r.rays; });
   std::string text = fmt::format("\n== all {} scenes: geometric means of the ratios to embree\n{:<15}",
                                  scenes.size(), "structure");
-  for (const std::string& kind : kinds) text += fmt::format("{:>10}", kind);
+  for (const std::string& kind : kinds) text += fmt::format("{:>18}", kind);
   text += fmt::format("{:>10}{:>12}\n", "memory", "build time");
   const auto geometric_mean = [](const std::vector<double>& ratios) {
     double sum = 0;
@@ -165,7 +176,7 @@ std::string speed_summary(const Report& report) {
           ratios.push_back(r.ratio_to_embree->median);
         }
       }
-      text += fmt::format("{:>10}", geometric_mean(ratios));
+      text += fmt::format("{:>18}", geometric_mean(ratios));
     }
     std::vector<double> bytes;
     std::vector<double> seconds;

@@ -71,13 +71,16 @@ inline bool setup_ray(const StructureView& structure, const Ray& ray, TraversalR
   r.inverse_z = 1.0 / static_cast<double>(d[kz]);
 
   const float slack = ray_slack(structure, o);
+  // A power of two keeps ratios of tiny directions from underflowing.
+  const float unit = scale < 0x1p-40f ? 0x1p80f : 1.0f;
+  const float least =
+      scale * unit * 1e-18f;  // keeps the inverse finite: the slack covers the ray's deviation
   for (int i = 0; i < 3; ++i) {
     r.origin[i] = o[i];
-    const float relative = d[i] / scale;  // in [-1, 1]
-    const float tiny = 1e-18f;            // keeps the inverse finite: the slack covers the ray's deviation
-    const bool negative = relative < 0.0f;
-    const float magnitude = std::fabs(relative) > tiny ? std::fabs(relative) : tiny;
-    r.inverse[i] = negative ? -1.0f / magnitude : 1.0f / magnitude;
+    const bool negative = d[i] < 0.0f;
+    const float component = std::fabs(d[i]) * unit;
+    const float magnitude = component > least ? component : least;
+    r.inverse[i] = (negative ? -unit : unit) * scale / magnitude;
     const float slack_i = slack + 0x1p-22f * std::fabs(o[i]);  // survives the rounding of the sum
     r.near_origin[i] = negative ? o[i] - slack_i : o[i] + slack_i;
     r.far_origin[i] = negative ? o[i] + slack_i : o[i] - slack_i;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -48,7 +49,11 @@ TEST_P(Rays, NamesAreFound) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Kinds, Rays, ::testing::ValuesIn(ray_kinds().begin(), ray_kinds().end()),
-                         [](const auto& p) { return std::string(ray_kind_name(p.param)); });
+                         [](const auto& p) {
+                           std::string name(ray_kind_name(p.param));
+                           std::replace(name.begin(), name.end(), '-', '_');
+                           return name;
+                         });
 
 TEST(RayGenerator, HalfOfTheUniformRaysAreAimedAtGeometry) {
   const Scene scene = mixed_step_scene(50);  // thin: random directions mostly miss
@@ -61,6 +66,19 @@ TEST(RayGenerator, HalfOfTheUniformRaysAreAimedAtGeometry) {
     if (hits[i].is_hit()) ++aimed;
   }
   EXPECT_GE(aimed, hits.size() / 2 - 2);
+}
+
+TEST(RayGenerator, OccludedKindsHaveTheRaysOfTheOthers) {
+  const Scene scene = mixed_step_scene();
+  const auto reference = build_structure("embree-robust", scene, 0);
+  for (const auto& [closest, occluded] : {std::pair{RayKind::kBounce, RayKind::kBounceOccluded},
+                                          std::pair{RayKind::kUniform, RayKind::kUniformOccluded}}) {
+    const RaySet a = make_rays(closest, scene, *reference, 500, 1);
+    const RaySet b = make_rays(occluded, scene, *reference, 500, 1);
+    EXPECT_FALSE(a.any_hit());
+    EXPECT_TRUE(b.any_hit());
+    EXPECT_EQ(std::memcmp(a.rays.data(), b.rays.data(), 500 * sizeof(Ray)), 0);
+  }
 }
 
 TEST(RayGenerator, SceneThatIsNeverHitGivesNoBounceRays) {

@@ -93,7 +93,7 @@ TEST(Lbvh, HasTheHitsOfTheNativeTree) {
     }
     total += a.size();
   }
-  EXPECT_EQ(total, 80000u);
+  EXPECT_EQ(total, 120000u);
   EXPECT_LE(differing, 4u);  // rays within rounding of an edge: ranges of segments are rounded in both
 }
 
