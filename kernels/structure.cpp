@@ -97,10 +97,11 @@ class StructureImpl final : public Structure {
   }
 
   bool intersect(const Ray& ray, Hit& hit, const HitFilter* filter) const override {
-    return intersect_on(default_isa(), ray, hit, filter);
+    return filter == nullptr ? kernels_.intersect(view_, ray, hit)
+                             : kernels_.intersect_filtered(view_, ray, hit, *filter);
   }
   bool occluded(const Ray& ray, const HitFilter* filter) const override {
-    return occluded_on(default_isa(), ray, filter);
+    return filter == nullptr ? kernels_.occluded(view_, ray) : kernels_.occluded_filtered(view_, ray, *filter);
   }
   bool intersect_on(Isa isa, const Ray& ray, Hit& hit, const HitFilter* filter) const override {
     const KernelTable& kernels = kernel_table(isa);
@@ -112,10 +113,10 @@ class StructureImpl final : public Structure {
     return filter == nullptr ? kernels.occluded(view_, ray) : kernels.occluded_filtered(view_, ray, *filter);
   }
   bool intersect_counted(const Ray& ray, Hit& hit, TraversalCounters& counters) const override {
-    return kernel_table(default_isa()).intersect_counted(view_, ray, hit, counters);
+    return kernels_.intersect_counted(view_, ray, hit, counters);
   }
   bool occluded_counted(const Ray& ray, TraversalCounters& counters) const override {
-    return kernel_table(default_isa()).occluded_counted(view_, ray, counters);
+    return kernels_.occluded_counted(view_, ray, counters);
   }
 
   Box3f bounds_at(float time) const override {
@@ -174,6 +175,7 @@ class StructureImpl final : public Structure {
         std::max(context.memory.peak(), context.memory.current() + statistics_.structure_bytes);
   }
 
+  const KernelTable& kernels_ = kernel_table(default_isa());
   Block block_;
   std::vector<MeshRecord> mesh_records_;
   std::vector<VertexBufferView> step_views_;

@@ -186,15 +186,16 @@ Link Encoder::encode_node(BinaryNode& node, std::byte* data, std::size_t unit) c
   }
   std::array<BinaryNode*, kWidth> children;
   const std::size_t count = wide_children(node, children);
+  // Leaves first, then the smaller subtrees: the order in which occlusion rays try them.
+  std::stable_sort(
+      children.begin(), children.begin() + static_cast<std::ptrdiff_t>(count),
+      [](const BinaryNode* a, const BinaryNode* b) { return a->subtree_leaves < b->subtree_leaves; });
   const LinkKind kind = node_kind(node, {children.data(), count});
   std::array<std::size_t, kWidth> units;
   std::size_t next = unit + node_units(kind);
-  for (const bool leaves : {true, false}) {
-    for (std::size_t i = 0; i < count; ++i) {
-      if (children[i]->is_leaf() != leaves) continue;
-      units[i] = next;
-      next += children[i]->units;
-    }
+  for (std::size_t i = 0; i < count; ++i) {
+    units[i] = next;
+    next += children[i]->units;
   }
   Link links[kWidth] = {};
   for_each_child(node.subtree_leaves >= kParallelLeaves, count,

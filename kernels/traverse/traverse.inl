@@ -6,7 +6,7 @@ constexpr std::size_t kStackSize = 7 * 90 + 1;
 
 struct StackEntry {
   Link link;
-  float s;  ///< where the ray enters the box
+  float s;  ///< where the ray enters the box; not used for any hit
 };
 
 struct Query {
@@ -116,28 +116,36 @@ inline const std::byte* address(const StructureView& structure, Link link) {
   return structure.data + std::size_t{link & kLinkOffsetMask} * kUnitBytes;
 }
 
-/// The nearest of the children met; the others are pushed, the nearer the higher. Any hit will do for an
-/// occlusion ray: sorting costs more there than it saves (1.3 to 1.4 times the speed without;
-/// docs/performance.md).
-template <bool kSorted>
-inline StackEntry next_child(const ChildHits& hits, const Link* children, StackEntry*& top) {
+/// For closest hits: the nearest of the children met; the others are pushed, the nearer the higher.
+inline StackEntry nearest_child(const ChildHits& hits, const Link* children, StackEntry*& top) {
   alignas(32) float entries[kWidth];
   store(entries, hits.entry);
   unsigned bits = hits.bits;
   auto i = static_cast<unsigned>(__builtin_ctz(bits));
-  StackEntry next{children[i], entries[i]};
+  StackEntry nearest{children[i], entries[i]};
   StackEntry* const first = top;
   while ((bits &= bits - 1) != 0) {
     i = static_cast<unsigned>(__builtin_ctz(bits));
     StackEntry entry{children[i], entries[i]};
+    if (entry.s < nearest.s) std::swap(entry, nearest);
     StackEntry* slot = top++;
-    if (kSorted) {
-      if (entry.s < next.s) std::swap(entry, next);
-      for (; slot > first && slot[-1].s < entry.s; --slot) *slot = slot[-1];
-    }
+    for (; slot > first && slot[-1].s < entry.s; --slot) *slot = slot[-1];
     *slot = entry;
   }
-  return next;
+  return nearest;
+}
+
+/// For any hit: the first of the children met, the others pushed, in the encoder's order: leaves first, then
+/// the smaller subtrees. They decide soonest, and sorting by distance would cost more than it saves
+/// (docs/performance.md).
+inline StackEntry first_child(const ChildHits& hits, const Link* children, StackEntry*& top) {
+  unsigned bits = hits.bits;
+  while ((bits & (bits - 1)) != 0) {
+    const auto last = 31u - static_cast<unsigned>(__builtin_clz(bits));
+    *top++ = {children[last], 0.0f};
+    bits ^= 1u << last;
+  }
+  return {children[__builtin_ctz(bits)], 0.0f};
 }
 
 template <bool kAnyHit, bool kFiltered, bool kCounted>
@@ -157,7 +165,7 @@ bool traverse(const StructureView& structure, const Query& query) {
       const Link* children = nullptr;
       const ChildHits hits = intersect_any_node(ray, kind, data, children);
       if (hits.bits != 0) {
-        entry = next_child<!kAnyHit>(hits, children, top);
+        entry = kAnyHit ? first_child(hits, children, top) : nearest_child(hits, children, top);
         for (int ahead = 1; ahead <= 2 && top - stack >= ahead; ++ahead)
           prefetch(address(structure, top[-ahead].link));
         continue;
@@ -169,7 +177,7 @@ bool traverse(const StructureView& structure, const Query& query) {
     do {
       if (top == stack) return found;
       entry = *--top;
-    } while (entry.s > ray.s_far);
+    } while (!kAnyHit && entry.s > ray.s_far);
   }
 }
 
