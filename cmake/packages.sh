@@ -25,8 +25,10 @@ ensure_packages() {
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}"
 }
 
-# build_release TARGET...: configures build/release below the current folder and builds the targets there.
-build_release() {
-  cmake --preset release
-  cmake --build --preset release --target "$@"
+# build_preset PRESET TARGET...: configures the preset (build/PRESET below the current folder), builds the targets there.
+build_preset() {
+  local preset=$1
+  shift
+  cmake --preset "$preset"
+  cmake --build --preset "$preset" --target "$@"
 }

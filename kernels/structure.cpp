@@ -1,6 +1,8 @@
 #include "stbvh/structure.h"
 
 #include <sys/mman.h>
+#include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <cstring>
@@ -101,7 +103,8 @@ class StructureImpl final : public Structure {
                              : kernels_.intersect_filtered(view_, ray, hit, *filter);
   }
   bool occluded(const Ray& ray, const HitFilter* filter) const override {
-    return filter == nullptr ? kernels_.occluded(view_, ray) : kernels_.occluded_filtered(view_, ray, *filter);
+    return filter == nullptr ? kernels_.occluded(view_, ray)
+                             : kernels_.occluded_filtered(view_, ray, *filter);
   }
   bool intersect_on(Isa isa, const Ray& ray, Hit& hit, const HitFilter* filter) const override {
     const KernelTable& kernels = kernel_table(isa);
@@ -163,9 +166,8 @@ class StructureImpl final : public Structure {
   }
 
   void make_statistics(const BuildContext& context, const BinaryTree& tree, const Encoder& encoder) {
-    for (const BuildMesh& mesh : context.meshes) statistics_.invalid_triangles += mesh.view().triangle_count;
-    statistics_.triangles = tree.valid_triangles();
-    statistics_.invalid_triangles -= tree.valid_triangles();
+    statistics_.triangles = tree.live_triangles();
+    statistics_.invalid_triangles = tree.invalid_triangles();
     statistics_.primitive_segments = tree.primitive_segments();
     statistics_.temporal_splits = tree.temporal_splits();
     encoder.add_statistics(statistics_);
@@ -188,16 +190,23 @@ class StructureImpl final : public Structure {
 
 std::unique_ptr<Structure> Structure::build(std::span<const MeshView> meshes, const BuildSettings& settings,
                                             const BuildCallbacks& callbacks) {
-  BuildContext context(callbacks);
-  context.settings = settings;
-  context.meshes.reserve(meshes.size());
-  for (std::size_t i = 0; i < meshes.size(); ++i) context.meshes.emplace_back(meshes[i], i);
-  context.progress.start();
-  BinaryTree tree(context);
-  tree.build();
-  const Encoder encoder(context, tree);
-  auto structure = std::make_unique<StructureImpl>(context, callbacks, tree, encoder);
-  context.progress.finish();
+  std::unique_ptr<Structure> structure;
+  const auto build_here = [&] {
+    BuildContext context(callbacks);
+    context.settings = settings;
+    context.meshes.reserve(meshes.size());
+    for (std::size_t i = 0; i < meshes.size(); ++i) context.meshes.emplace_back(meshes[i], i);
+    context.progress.start();
+    BinaryTree tree(context);
+    tree.build();
+    const Encoder encoder(context, tree);
+    structure = std::make_unique<StructureImpl>(context, callbacks, tree, encoder);
+    context.progress.finish();
+  };
+  // On its own: not cancelled with tasks of the caller, and not interrupted by them while it waits.
+  tbb::task_group_context isolated(tbb::task_group_context::isolated);
+  tbb::task_group group(isolated);
+  group.run_and_wait([&] { tbb::this_task_arena::isolate(build_here); });
   return structure;
 }
 

@@ -26,7 +26,7 @@ class SceneBench {
     std::vector<std::string> names = options_.structures;
     std::erase(names, kRatioReference);
     names.insert(names.begin(), std::string(kRatioReference));
-    names = structures_that_fit(names, scene_);
+    names = structures_that_fit(names, scene_, kRatioReference);
     const std::vector<RaySet> rays = make_ray_sets(scene_, options_, progress_);
     for (const auto& group : groups_in_memory(names)) trace_group(group, rays);
     build_again(names);

@@ -9,10 +9,10 @@
 #include "harness/cli/progress.h"
 #include "harness/cli/scene_source.h"
 #include "harness/cli/usage_error.h"
+#include "harness/files/output_file.h"
 #include "harness/picture/png_file.h"
 #include "harness/picture/render_picture.h"
 #include "harness/rays/ray_generator.h"
-#include "harness/report/json.h"
 #include "harness/scenes/procedural/procedural.h"
 #include "harness/structures/structure_under_test.h"
 
@@ -45,7 +45,9 @@ void run_list() {
     fmt::print("  {:<17} {} (default scale {})\n", scene.name, scene.description, scene.default_scale);
   }
   fmt::print("structures\n");
-  for (std::string_view name : structure_names()) fmt::print("  {}\n", name);
+  for (std::string_view name : structure_names()) {
+    fmt::print("  {:<21} {}\n", name, structure_description(name));
+  }
   fmt::print("rays\n");
   for (RayKind kind : ray_kinds()) fmt::print("  {}\n", ray_kind_name(kind));
 }
@@ -86,9 +88,7 @@ int run_program(int argc, const char* const* argv) {
     return fail(2, e.what());
   } catch (const SceneFileError& e) {
     return fail(2, e.what());
-  } catch (const ReportFileError& e) {
-    return fail(2, e.what());
-  } catch (const PictureFileError& e) {
+  } catch (const OutputFileError& e) {
     return fail(2, e.what());
   } catch (const std::bad_alloc&) {
     return fail(1, "Not enough memory.");

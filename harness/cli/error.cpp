@@ -7,6 +7,7 @@
 #include "harness/cli/pinned_threads.h"
 #include "harness/cli/session.h"
 #include "harness/cli/trace.h"
+#include "harness/cli/wrong_answers.h"
 #include "harness/oracle/judge.h"
 #include "harness/report/table.h"
 
@@ -54,8 +55,7 @@ std::string describe(const std::string& structure, const JudgedRays& set, const 
   const bool any = set.rays.any_hit();
   return fmt::format(
       "  {}, {} {}, {}: from ({:.9g} {:.9g} {:.9g}) along ({:.9g} {:.9g} {:.9g}) at time {:.9g}: it says {}, "
-      "the "
-      "oracle {}; an edge is {:.2g} ulps away\n",
+      "the oracle {}; an edge is {:.2g} ulps away\n",
       structure, ray_kind_name(set.rays.kind), difference.ray, verdict_name(difference.verdict), r.origin.x,
       r.origin.y, r.origin.z, r.direction.x, r.direction.y, r.direction.z, r.time,
       describe_hit(hit.is_hit(), any, hit.t, hit.geom_id, hit.prim_id),
@@ -64,7 +64,7 @@ std::string describe(const std::string& structure, const JudgedRays& set, const 
 
 void run_scene(const Scene& scene, const Options& options, PinnedThreads& threads, Progress& progress,
                Report& report) {
-  const std::vector<std::string> names = structures_that_fit(options.structures, scene);
+  const std::vector<std::string> names = structures_that_fit(options.structures, scene, "");
   std::vector<JudgedRays> sets;
   for (RaySet& rays : make_ray_sets(scene, options, progress)) sets.push_back({std::move(rays), {}});
   progress.stage(fmt::format("{}: building the oracle", scene.name));
@@ -102,6 +102,7 @@ void run_error(const Options& options) {
   PinnedThreads threads(options.threads);
   for_each_scene(options, progress, report,
                  [&](const Scene& scene) { run_scene(scene, options, threads, progress, report); });
+  require_right_answers(report.errors);
 }
 
 }  // namespace stbvh::harness

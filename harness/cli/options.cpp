@@ -49,7 +49,8 @@ void add_scene_options(CLI::App& app, Arguments& a) {
 }
 
 void add_trace_options(CLI::App& app, Arguments& a, std::size_t default_count) {
-  app.add_option("--structures", a.options.structures, "What to compare, or all; separated by commas")
+  app.add_option("--structures", a.options.structures,
+                 "Names of structures (see list), or all; separated by commas")
       ->delimiter(',')
       ->default_str("all");
   app.add_option("--rays", a.rays, "primary, bounce, uniform, shadow, bounce-occluded, uniform-occluded")

@@ -4,6 +4,7 @@
 
 #include <cstdio>
 
+#include "harness/files/output_file.h"
 #include "harness/rays/ray_generator.h"
 #include "harness/report/json.h"
 #include "harness/report/machine.h"
@@ -27,11 +28,14 @@ std::vector<RaySet> make_ray_sets(const Scene& scene, const Options& options, Pr
   return sets;
 }
 
-std::vector<std::string> structures_that_fit(const std::vector<std::string>& names, const Scene& scene) {
+std::vector<std::string> structures_that_fit(const std::vector<std::string>& names, const Scene& scene,
+                                             std::string_view beside) {
   const std::size_t available = available_memory_bytes();
   std::vector<std::string> fitting;
   for (const std::string& name : names) {
-    const std::size_t needed = estimate_peak_bytes(name, scene);
+    const bool is_alone = beside.empty() || name == beside;
+    const std::size_t needed =
+        estimate_peak_bytes(name, scene) + (is_alone ? 0 : estimate_peak_bytes(beside, scene));
     if (needed <= available) {
       fitting.push_back(name);
     } else {

@@ -19,9 +19,10 @@ inline constexpr std::string_view kReferenceStructure = "embree-robust";
 /// `count` rays of each kind that was asked for, from kReferenceStructure's hit points.
 std::vector<RaySet> make_ray_sets(const Scene& scene, const Options& options, Progress& progress);
 
-/// Those of `names` that the machine's free memory can hold over `scene`; for each other a line on stdout
-/// says how much it would need.
-std::vector<std::string> structures_that_fit(const std::vector<std::string>& names, const Scene& scene);
+/// Those of `names` that the machine's free memory can hold over `scene`, each beside the structure `beside`
+/// (none if empty); for each other a line on stdout says how much it would need.
+std::vector<std::string> structures_that_fit(const std::vector<std::string>& names, const Scene& scene,
+                                             std::string_view beside);
 
 /// Runs `work` on each scene of `options` in turn, each heading its own part of the output; then writes the
 /// report to the JSON file, if one was asked for.

@@ -6,22 +6,18 @@
 #include <limits>
 #include <stdexcept>
 
+#include "harness/structures/embree_rays.h"
+
 namespace stbvh::harness::picture {
 namespace {
 
-RTCRay make_ray(Vec3f origin, Vec3f direction, float distance, float time) {
-  RTCRay ray{};
-  ray.org_x = origin.x;
-  ray.org_y = origin.y;
-  ray.org_z = origin.z;
-  ray.dir_x = direction.x;
-  ray.dir_y = direction.y;
-  ray.dir_z = direction.z;
-  ray.tnear = 0.0f;
-  ray.tfar = distance;
-  ray.time = time;
-  ray.mask = 0xFFFFFFFFu;
-  return ray;
+Ray make_ray(Vec3f origin, Vec3f direction, float distance, float time) {
+  return {.origin = origin,
+          .tnear = 0.0f,
+          .direction = direction,
+          .tfar = distance,
+          .time = time,
+          .mask = 0xFFFFFFFFu};
 }
 
 void check_mesh(const Mesh& mesh) {
@@ -39,75 +35,30 @@ void check_mesh(const Mesh& mesh) {
   }
 }
 
+/// Checked before Embree sees any of it.
+const Scene& checked(const Scene& scene) {
+  for (const Mesh& mesh : scene.meshes) check_mesh(mesh);
+  return scene;
+}
+
 }  // namespace
 
-EmbreeScene::EmbreeScene(const Scene& scene) {
-  for (const Mesh& mesh : scene.meshes) check_mesh(mesh);
-  device_ = rtcNewDevice(nullptr);
-  if (device_ == nullptr) throw std::runtime_error("Embree cannot make a device for pictures.");
-  scene_ = rtcNewScene(device_);
-  try {
-    for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
-      if (scene.meshes[i].triangle_count() > 0) attach(scene.meshes[i], static_cast<unsigned>(i));
-    }
-    rtcCommitScene(scene_);
-    check_device();
-  } catch (...) {
-    rtcReleaseScene(scene_);
-    rtcReleaseDevice(device_);
-    throw;
-  }
-}
-
-EmbreeScene::~EmbreeScene() {
-  rtcReleaseScene(scene_);
-  rtcReleaseDevice(device_);
-}
-
-void EmbreeScene::attach(const Mesh& mesh, unsigned geom_id) {
-  RTCGeometry geometry = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
-  rtcSetGeometryTimeStepCount(geometry, static_cast<unsigned>(mesh.steps.size()));
-  rtcSetGeometryTimeRange(geometry, mesh.time_range.begin, mesh.time_range.end);
-  rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices.data(), 0,
-                             3 * sizeof(std::uint32_t), mesh.triangle_count());
-  for (std::size_t step = 0; step < mesh.steps.size(); ++step) {
-    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, static_cast<unsigned>(step),
-                               RTC_FORMAT_FLOAT3, mesh.steps[step].data(), 0, sizeof(Vec3f),
-                               mesh.steps[step].size());
-  }
-  rtcSetGeometryMask(geometry, 0xFFFFFFFFu);
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometryByID(scene_, geometry, geom_id);
-  rtcReleaseGeometry(geometry);
-  check_device();
-}
-
-void EmbreeScene::check_device() const {
-  const RTCError error = rtcGetDeviceError(device_);
-  if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::runtime_error("Not enough memory for the picture.");
-  if (error != RTC_ERROR_NONE) {
-    throw std::runtime_error(
-        fmt::format("Embree reports error {} for the picture.", static_cast<int>(error)));
-  }
-}
+EmbreeScene::EmbreeScene(const Scene& scene)
+    : device_("", 0), scene_(new_triangle_scene(device_, checked(scene), RTC_SCENE_FLAG_NONE)) {}
 
 RTCRayHit EmbreeScene::intersect(Vec3f origin, Vec3f direction, float time) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  RTCRayHit query{};
-  query.ray = make_ray(origin, direction, std::numeric_limits<float>::infinity(), time);
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  rtcIntersect1(scene_, &context, &query);
+  RTCIntersectContext context = new_context();
+  RTCRayHit query =
+      to_embree_query(make_ray(origin, direction, std::numeric_limits<float>::infinity(), time));
+  rtcIntersect1(scene_.get(), &context, &query);
   return query;
 }
 
 bool EmbreeScene::occluded(Vec3f origin, Vec3f direction, float distance, float time) const {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  RTCRay ray = make_ray(origin, direction, distance, time);
-  rtcOccluded1(scene_, &context, &ray);
-  return ray.tfar < 0.0f;
+  RTCIntersectContext context = new_context();
+  RTCRay ray = to_embree(make_ray(origin, direction, distance, time));
+  rtcOccluded1(scene_.get(), &context, &ray);
+  return to_occlusion_record(ray).is_hit();
 }
 
 }  // namespace stbvh::harness::picture

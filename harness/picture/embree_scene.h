@@ -4,17 +4,16 @@
 #include <embree3/rtcore.h>
 
 #include "harness/scenes/scene.h"
+#include "harness/structures/embree_device.h"
 
 namespace stbvh::harness::picture {
 
 /// The meshes of a scene on a device of its own, committed; geomIDs are mesh indices. The scene must outlive
-/// it. Throws std::invalid_argument for a mesh that Embree cannot hold, std::runtime_error when Embree fails.
+/// it. Throws std::invalid_argument for a mesh that Embree cannot hold, std::runtime_error (std::bad_alloc
+/// for want of memory) when Embree fails.
 class EmbreeScene {
  public:
   explicit EmbreeScene(const Scene& scene);
-  ~EmbreeScene();
-  EmbreeScene(const EmbreeScene&) = delete;
-  EmbreeScene& operator=(const EmbreeScene&) = delete;
 
   /// Closest hit; the ray's geomID says whether there is one.
   RTCRayHit intersect(Vec3f origin, Vec3f direction, float time) const;
@@ -22,11 +21,8 @@ class EmbreeScene {
   bool occluded(Vec3f origin, Vec3f direction, float distance, float time) const;
 
  private:
-  void attach(const Mesh& mesh, unsigned geom_id);
-  void check_device() const;
-
-  RTCDevice device_ = nullptr;
-  RTCScene scene_ = nullptr;
+  EmbreeDevice device_;
+  ScenePtr scene_;
 };
 
 }  // namespace stbvh::harness::picture

@@ -92,7 +92,7 @@ std::vector<SurfacePoint> hit_points(const Scene& scene, const StructureUnderTes
 std::vector<Ray> primary_rays(const Scene& scene, std::size_t count, Pcg32& random) {
   const CameraRays camera(scene.camera);
   const double n = static_cast<double>(count);
-  const auto width = static_cast<std::size_t>(std::ceil(std::sqrt(n * CameraRays::kAspect)));
+  const auto width = static_cast<std::size_t>(std::ceil(std::sqrt(n * kPictureAspect)));
   const std::size_t height = (count + width - 1) / width;
   std::vector<Ray> rays;
   rays.reserve(count);

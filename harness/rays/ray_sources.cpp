@@ -33,7 +33,7 @@ CameraRays::CameraRays(const Camera& camera)
   const Vec3 side = cross(forward_, to_double(camera.up));
   const Vec3 right = length(side) > 0 ? normalize(side) : perpendicular(forward_);
   const double half_height = std::tan(static_cast<double>(camera.vertical_fov_degrees) * kPi / 360);
-  right_ = right * (half_height * kAspect);
+  right_ = right * (half_height * kPictureAspect);
   up_ = cross(right, forward_) * half_height;
 }
 

@@ -21,8 +21,6 @@ Vec3 random_direction(Pcg32& random);
 /// Pinhole camera; the image is [0, 1]^2, rows from top to bottom.
 class CameraRays {
  public:
-  static constexpr double kAspect = 16.0 / 9.0;
-
   explicit CameraRays(const Camera& camera);
 
   Ray through(double x, double y, float time) const;

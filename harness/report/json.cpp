@@ -1,12 +1,6 @@
 #include "harness/report/json.h"
 
-#include <fcntl.h>
-#include <fmt/format.h>
-#include <unistd.h>
-
-#include <cerrno>
 #include <nlohmann/json.hpp>
-#include <system_error>
 
 namespace stbvh::harness {
 namespace {
@@ -74,52 +68,6 @@ Json to_record(const ErrorResult& r) {
           {"t_error_rel_max", r.t_error_rel_max}};
 }
 
-/// A file descriptor with an owner.
-class OpenFile {
- public:
-  OpenFile(const std::filesystem::path& path, int flags)
-      : descriptor_(open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
-  ~OpenFile() {
-    if (descriptor_ >= 0) close(descriptor_);
-  }
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-
-  bool is_open() const { return descriptor_ >= 0; }
-
-  /// Whether all of `text` arrived, also on the disk where there is one. A failure is in errno.
-  bool write_all(const std::string& text) {
-    std::size_t done = 0;
-    while (done < text.size()) {
-      const ssize_t n = write(descriptor_, text.data() + done, text.size() - done);
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) return false;
-      done += static_cast<std::size_t>(n);
-    }
-    return fsync(descriptor_) == 0 || errno == EINVAL || errno == EROFS;
-  }
-
- private:
-  int descriptor_;
-};
-
-[[noreturn]] void fail(const std::filesystem::path& path, int error) {
-  throw ReportFileError(
-      fmt::format("Cannot write to \"{}\": {}.", path.string(), std::generic_category().message(error)));
-}
-
-bool is_special(const std::filesystem::path& path) {
-  std::error_code ignored;
-  const auto status = std::filesystem::status(path, ignored);
-  return std::filesystem::exists(status) && !std::filesystem::is_regular_file(status);
-}
-
-std::filesystem::path temporary_beside(const std::filesystem::path& path) {
-  std::filesystem::path temporary = path;
-  temporary += fmt::format(".{}.tmp", getpid());
-  return temporary;
-}
-
 }  // namespace
 
 std::string to_json(const Report& report, const Machine& machine, const std::string& commit) {
@@ -137,35 +85,6 @@ std::string to_json(const Report& report, const Machine& machine, const std::str
                      {"records", std::move(records)}};
   // Names may hold bytes that are not UTF-8 (a file's name): replaced, not thrown over.
   return root.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
-}
-
-void check_writable(const std::filesystem::path& path) {
-  if (path.filename().empty()) fail(path, EISDIR);
-  if (is_special(path)) {
-    const OpenFile file(path, O_WRONLY | O_NONBLOCK);
-    if (!file.is_open() && errno != ENXIO) fail(path, errno);  // ENXIO: a pipe that nobody reads yet
-    return;
-  }
-  const std::filesystem::path temporary = temporary_beside(path);
-  const OpenFile file(temporary, O_WRONLY | O_CREAT | O_TRUNC);
-  if (!file.is_open()) fail(path, errno);
-  unlink(temporary.c_str());
-}
-
-void write_file(const std::filesystem::path& path, const std::string& text) {
-  if (is_special(path)) {
-    OpenFile file(path, O_WRONLY);
-    if (!file.is_open() || !file.write_all(text)) fail(path, errno);
-    return;
-  }
-  const std::filesystem::path temporary = temporary_beside(path);
-  OpenFile file(temporary, O_WRONLY | O_CREAT | O_TRUNC);
-  if (!file.is_open()) fail(path, errno);
-  if (!file.write_all(text) || rename(temporary.c_str(), path.c_str()) != 0) {
-    const int error = errno;
-    unlink(temporary.c_str());
-    fail(path, error);
-  }
 }
 
 }  // namespace stbvh::harness

@@ -36,12 +36,15 @@ struct Mesh {
   std::vector<VertexBuffer> steps;     ///< 1 (static) to kMaxSteps, all of the same size
   TimeRange time_range;                ///< in ray time, default [0, 1]
   std::uint32_t mask = 0xFFFFFFFFu;
-  Vec3f color{0.7f, 0.7f, 0.7f};       ///< base colour, linear RGB, for pictures
+  Vec3f color{0.7f, 0.7f, 0.7f};  ///< base colour, linear RGB, for pictures
 
   std::size_t triangle_count() const { return indices.size() / 3; }
   std::size_t segment_count() const { return steps.empty() ? 0 : steps.size() - 1; }
   bool is_static() const { return steps.size() <= 1; }
 };
+
+/// Width over height of the pictures that cameras are made for.
+inline constexpr double kPictureAspect = 16.0 / 9.0;
 
 struct Camera {
   Vec3f position{0, 0, 5};

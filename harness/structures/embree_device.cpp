@@ -66,4 +66,17 @@ GeometryPtr new_triangle_geometry(const EmbreeDevice& device, const Mesh& mesh, 
   return geometry;
 }
 
+ScenePtr new_triangle_scene(const EmbreeDevice& device, const Scene& scene, RTCSceneFlags flags) {
+  ScenePtr result = device.new_scene(flags);
+  for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
+    const Mesh& mesh = scene.meshes[i];
+    if (mesh.triangle_count() == 0) continue;
+    const GeometryPtr geometry = new_triangle_geometry(device, mesh, 0, mesh.steps.size(), mesh.time_range);
+    rtcAttachGeometryByID(result.get(), geometry.get(), static_cast<unsigned>(i));
+  }
+  rtcCommitScene(result.get());
+  device.check();
+  return result;
+}
+
 }  // namespace stbvh::harness

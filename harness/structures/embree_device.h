@@ -50,4 +50,7 @@ class EmbreeDevice {
 GeometryPtr new_triangle_geometry(const EmbreeDevice& device, const Mesh& mesh, std::size_t first_step,
                                   std::size_t step_count, TimeRange time_range);
 
+/// Embree's own triangles over all meshes of `scene` that have any, geomIDs as in `scene`, committed.
+ScenePtr new_triangle_scene(const EmbreeDevice& device, const Scene& scene, RTCSceneFlags flags);
+
 }  // namespace stbvh::harness

@@ -9,15 +9,7 @@ EmbreeStructure::EmbreeStructure(const Scene& scene, std::string_view device_opt
                                  unsigned threads)
     : device_(device_options, threads) {
   const BuildMeter meter(threads);
-  scene_ = device_.new_scene(flags);
-  for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
-    const Mesh& mesh = scene.meshes[i];
-    if (mesh.triangle_count() == 0) continue;
-    const GeometryPtr geometry = new_triangle_geometry(device_, mesh, 0, mesh.steps.size(), mesh.time_range);
-    rtcAttachGeometryByID(scene_.get(), geometry.get(), static_cast<unsigned>(i));
-  }
-  rtcCommitScene(scene_.get());
-  device_.check();
+  scene_ = new_triangle_scene(device_, scene, flags);
   record_.build_s = meter.seconds();
   record_.structure_bytes = record_.monitor_bytes = device_.memory().current_bytes();
   record_.peak_bytes = device_.memory().peak_bytes();

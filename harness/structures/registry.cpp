@@ -19,34 +19,44 @@ StructurePtr build_embree(const Scene& scene, unsigned threads) {
 
 struct Entry {
   std::string_view name;
+  std::string_view description;
   StructurePtr (*build)(const Scene& scene, unsigned threads);
 };
 
-constexpr std::array<Entry, 8> kEntries{{
-    {"embree", build_embree<RTC_SCENE_FLAG_NONE>},
-    {"embree-robust", build_embree<RTC_SCENE_FLAG_ROBUST>},
-    {"embree-compact", build_embree<RTC_SCENE_FLAG_COMPACT>},
-    {"embree-4v",
+constexpr std::array<Entry, 9> kEntries{{
+    {"embree", "Embree's own motion blur tree, as an application gets it by default",
+     build_embree<RTC_SCENE_FLAG_NONE>},
+    {"embree-robust", "the same with the flag ROBUST", build_embree<RTC_SCENE_FLAG_ROBUST>},
+    {"embree-compact", "the same with the flag COMPACT", build_embree<RTC_SCENE_FLAG_COMPACT>},
+    {"embree-4v", "the same with the vertices in its leaves (bvh8.triangle4vmb)",
      [](const Scene& scene, unsigned threads) -> StructurePtr {
        return std::make_unique<EmbreeStructure>(scene, kVertexLeaves, RTC_SCENE_FLAG_NONE, threads);
      }},
-    {"lbvh",
+    {"lbvh", "a tree of linear motion for each time segment, made of Embree's",
      [](const Scene& scene, unsigned threads) -> StructurePtr {
        return std::make_unique<Lbvh>(scene, "", threads);
      }},
-    {"lbvh-4v",
+    {"lbvh-4v", "the same with the vertices in its leaves",
      [](const Scene& scene, unsigned threads) -> StructurePtr {
        return std::make_unique<Lbvh>(scene, kVertexLeaves, threads);
      }},
-    {"stbvh",
+    {"stbvh", "our plugin, as an application attaches it to Embree",
      [](const Scene& scene, unsigned threads) -> StructurePtr {
        return std::make_unique<StbvhPlugin>(scene, threads);
      }},
-    {"stbvh-direct",
+    {"stbvh-direct", "our kernels without Embree; the vertices in the leaves, as in the plugin",
      [](const Scene& scene, unsigned threads) -> StructurePtr {
-       return std::make_unique<StbvhDirect>(scene, threads);
+       return std::make_unique<StbvhDirect>(scene, BuildSettings{}, threads);
+     }},
+    {"stbvh-direct-indexed", "our kernels without Embree; vertex indices in the leaves: smaller, slower",
+     [](const Scene& scene, unsigned threads) -> StructurePtr {
+       return std::make_unique<StbvhDirect>(scene, BuildSettings{.max_inline_steps = 0}, threads);
      }},
 }};
+
+std::invalid_argument unknown_structure(std::string_view name) {
+  return std::invalid_argument("There is no structure \"" + std::string(name) + "\".");
+}
 
 }  // namespace
 
@@ -56,12 +66,19 @@ std::vector<std::string_view> structure_names() {
   return names;
 }
 
+std::string_view structure_description(std::string_view name) {
+  for (const Entry& entry : kEntries) {
+    if (entry.name == name) return entry.description;
+  }
+  throw unknown_structure(name);
+}
+
 std::unique_ptr<StructureUnderTest> build_structure(std::string_view name, const Scene& scene,
                                                     unsigned threads) {
   for (const Entry& entry : kEntries) {
     if (entry.name == name) return entry.build(scene, threads);
   }
-  throw std::invalid_argument("There is no structure \"" + std::string(name) + "\".");
+  throw unknown_structure(name);
 }
 
 }  // namespace stbvh::harness

@@ -4,7 +4,7 @@
 
 namespace stbvh::harness {
 
-StbvhDirect::StbvhDirect(const Scene& scene, unsigned threads) {
+StbvhDirect::StbvhDirect(const Scene& scene, const BuildSettings& settings, unsigned threads) {
   const BuildMeter meter(threads);
   std::vector<std::vector<VertexBufferView>> steps(scene.meshes.size());
   std::vector<MeshView> views;
@@ -22,7 +22,7 @@ StbvhDirect::StbvhDirect(const Scene& scene, unsigned threads) {
                      .mask = mesh.mask,
                      .geom_id = static_cast<std::uint32_t>(i)});
   }
-  structure_ = Structure::build(views);
+  structure_ = Structure::build(views, settings);
   record_.build_s = meter.seconds();
   record_.structure_bytes = structure_->statistics().structure_bytes;
   record_.peak_bytes = structure_->statistics().peak_bytes;

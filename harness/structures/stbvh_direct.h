@@ -9,7 +9,7 @@ namespace stbvh::harness {
 
 class StbvhDirect final : public StructureUnderTest {
  public:
-  StbvhDirect(const Scene& scene, unsigned threads);
+  StbvhDirect(const Scene& scene, const BuildSettings& settings, unsigned threads);
 
   const BuildRecord& build_record() const override { return record_; }
   void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override;

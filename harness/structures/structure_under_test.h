@@ -35,6 +35,9 @@ class StructureUnderTest {
 /// Names of all structures, in the order in which tables print them.
 std::vector<std::string_view> structure_names();
 
+/// What the structure `name` is, in one line. Throws std::invalid_argument for an unknown name.
+std::string_view structure_description(std::string_view name);
+
 /// Builds the structure `name` over `scene`, which must outlive it, with `threads` build threads (0: all).
 /// Throws std::invalid_argument for an unknown name.
 std::unique_ptr<StructureUnderTest> build_structure(std::string_view name, const Scene& scene,

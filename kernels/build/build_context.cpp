@@ -27,7 +27,8 @@ void BuildProgress::add(double share) {
   }
   done = std::min(done + share, 1.0);
   const std::unique_lock lock(report_, std::try_to_lock);
-  if (!lock.owns_lock() || done < reported_ + 0.01) return;
+  if (!lock.owns_lock() || (share > 0.0 && done < reported_ + 0.01)) return;
+  check();
   reported_ = done;
   report(done);
 }

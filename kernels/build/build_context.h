@@ -90,8 +90,12 @@ class BuildProgress {
   /// Tells the callback of 0 and of 1. Throw BuildCancelled if it returns false.
   void start() { report(0.0); }
   void finish() { report(1.0); }
-  /// `share` of the whole work, 0 to 1, is done. Throws BuildCancelled once the callback has returned false.
+  /// `share` of the whole work, 0 to 1, is done; the callback is told in steps of a percent. Throws
+  /// BuildCancelled once the callback has returned false.
   void add(double share);
+  /// Tells the callback at once, whatever was done since it heard last. Throws BuildCancelled if it returns
+  /// false.
+  void poll() { add(0.0); }
   /// Throws BuildCancelled once a callback has returned false.
   void check() const {
     if (cancelled_.load(std::memory_order_relaxed)) throw BuildCancelled();

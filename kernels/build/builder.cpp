@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t kParallelSet = 1024;    ///< sets from this size on are built as tasks of their own
 constexpr std::size_t kSplitDepthLimit = 56;  ///< below, sets are only halved: bounds the depth of the tree
+constexpr std::size_t kPollSet = 65536;       ///< sets from this size on ask the progress callback themselves
 constexpr std::size_t kChunk = 8192;
 
 /// Runs both on the task scheduler where `parallel`, else one after the other. Exceptions of either get out.
@@ -32,6 +33,7 @@ void invoke_both(bool parallel, const F& f, const G& g) {
   try {
     f();
   } catch (...) {
+    group.cancel();
     group.wait();
     throw;
   }
@@ -84,7 +86,7 @@ void BinaryTree::build() {
   if (triangles == 0) return;
   TemporaryArray<Reference> storage(context_.memory, triangles);
   ReferenceSet all = make_references(storage);
-  valid_triangles_ = all.size();
+  live_triangles_ = all.size();
   if (all.size() == 0) return;
   total_work_ =
       static_cast<double>(all.size()) * std::max(1e-30, static_cast<double>(range_.last) - range_.begin);
@@ -99,7 +101,7 @@ ReferenceSet BinaryTree::make_references(TemporaryArray<Reference>& storage) {
     last = std::max(last, std::min(mesh.grid().end, 1.0f));
   }
   ReferenceSet set;
-  if (begin > last) return set;
+  if (begin > last) begin = last = 0.0f;  // nothing is ever alive
   range_ = {begin, last};
 
   std::size_t out = 0;
@@ -107,28 +109,29 @@ ReferenceSet BinaryTree::make_references(TemporaryArray<Reference>& storage) {
     const BuildMesh& mesh = context_.meshes[m];
     const std::size_t count = mesh.view().triangle_count;
     const MotionSamples samples(mesh, range_);
-    if (count == 0 || samples.count == 0) continue;
-    context_.progress.check();
+    context_.progress.poll();
     const std::size_t chunks = (count + kChunk - 1) / kChunk;
     std::vector<std::size_t> counts(chunks);
+    std::atomic<std::size_t> invalid{0};
     tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
-      std::size_t slot = out + chunk * kChunk;
       const std::size_t end = std::min((chunk + 1) * kChunk, count);
       for (std::size_t prim = chunk * kChunk; prim < end; ++prim) {
         const BuildMesh::Triangle triangle = mesh.triangle(prim);
-        if (!mesh.is_valid(triangle)) continue;
-        const LinearBounds bounds = motion_bounds(mesh, samples, triangle.vertex, shifted_chord);
-        storage.data()[slot++] =
-            make_reference(bounds, static_cast<std::uint32_t>(m), static_cast<std::uint32_t>(prim));
+        if (!mesh.is_valid(triangle)) {
+          invalid.fetch_add(1, std::memory_order_relaxed);
+        } else if (samples.count > 0) {
+          const LinearBounds bounds = motion_bounds(mesh, samples, triangle.vertex, shifted_chord);
+          storage.data()[out + chunk * kChunk + counts[chunk]++] =
+              make_reference(bounds, static_cast<std::uint32_t>(m), static_cast<std::uint32_t>(prim));
+        }
       }
-      counts[chunk] = slot - (out + chunk * kChunk);
     });
     const std::size_t first = out;
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
-      Reference* source = storage.data() + first + chunk * kChunk;
-      std::copy(source, source + counts[chunk], storage.data() + out);
+      move_down(storage.data() + first + chunk * kChunk, counts[chunk], storage.data() + out);
       out += counts[chunk];
     }
+    invalid_triangles_ += invalid.load();
     primitive_segments_ += (out - first) * std::max<std::size_t>(mesh.segments(), 1);
   }
   set.references = storage.span().first(out);
@@ -138,6 +141,7 @@ ReferenceSet BinaryTree::make_references(TemporaryArray<Reference>& storage) {
 }
 
 BinaryNode* BinaryTree::build_node(ReferenceSet set, std::size_t depth) {
+  if (set.size() >= kPollSet) context_.progress.poll();
   context_.progress.check();
   const bool may_choose = depth < kSplitDepthLimit;
   const float area = set.bounds.centre_area();
@@ -166,7 +170,7 @@ BinaryNode* BinaryTree::split_in_time(const ReferenceSet& set, const ClosedTimeR
   // One half after the other where the set is small: its copy is given back before the other is made.
   invoke_both(
       set.size() >= kParallelSet, [&] { build_half(0); }, [&] { build_half(1); });
-  if (nodes[0] == nullptr && nodes[1] == nullptr) throw BuildCancelled();  // only where tasks were skipped
+  if (nodes[0] == nullptr && nodes[1] == nullptr) throw BuildCancelled();  // tasks were skipped
   if (nodes[0] == nullptr || nodes[1] == nullptr) return nodes[0] != nullptr ? nodes[0] : nodes[1];
   return make_inner(set.range, nodes[0], nodes[1]);
 }
@@ -178,6 +182,7 @@ BinaryNode* BinaryTree::split_in_space(ReferenceSet& set, std::size_t depth, con
   invoke_both(
       set.size() >= kParallelSet, [&] { left = build_node(sides.first, depth + 1); },
       [&] { right = build_node(sides.second, depth + 1); });
+  if (left == nullptr || right == nullptr) throw BuildCancelled();  // tasks were skipped
   return make_inner(set.range, left, right);
 }
 

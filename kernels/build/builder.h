@@ -21,7 +21,8 @@ class BinaryTree {
 
   BinaryNode* root() const { return root_; }  ///< null: there is no valid triangle
   ClosedTimeRange range() const { return range_; }
-  std::size_t valid_triangles() const { return valid_triangles_; }
+  std::size_t live_triangles() const { return live_triangles_; }
+  std::size_t invalid_triangles() const { return invalid_triangles_; }
   std::size_t primitive_segments() const { return primitive_segments_; }
   std::size_t temporal_splits() const { return temporal_splits_.load(); }
 
@@ -38,7 +39,8 @@ class BinaryTree {
   BinaryNode* root_ = nullptr;
   ClosedTimeRange range_{0.0f, 1.0f};
   double total_work_ = 0;
-  std::size_t valid_triangles_ = 0;
+  std::size_t live_triangles_ = 0;
+  std::size_t invalid_triangles_ = 0;
   std::size_t primitive_segments_ = 0;
   std::atomic<std::size_t> temporal_splits_{0};
 };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "stbvh/mesh_view.h"
 
@@ -66,8 +67,10 @@ LinearBounds tightest_at_centre(std::span<const BoundsSample> samples) {
         points[i] = {samples[i].parameter, sign * static_cast<double>(corner[axis])};
       }
       const Point line = lower_hull_line({points.data(), samples.size()}, 0.5);
-      lines[upper][axis] = static_cast<float>(sign * line.s);
-      lines[2 + upper][axis] = static_cast<float>(sign * line.v);
+      // Parameters and the line's two values are rounded to float: outwards by more than that.
+      const double outwards = -sign * 0x1p-22 * std::max(std::fabs(line.s), std::fabs(line.v));
+      lines[upper][axis] = static_cast<float>(sign * line.s + outwards);
+      lines[2 + upper][axis] = static_cast<float>(sign * line.v + outwards);
     }
   }
   return {_mm_load_ps(lines[0]), _mm_load_ps(lines[1]), _mm_load_ps(lines[2]), _mm_load_ps(lines[3])};

@@ -15,7 +15,7 @@ struct LinearBounds {
 
   static LinearBounds empty();
 
-  /// Twice the lower and upper corner at the centre of the time range, and from them
+  /// Twice the lower and the upper corner at the centre of the time range.
   F32x4 twice_centre_lower() const { return lower_begin + lower_end; }
   F32x4 twice_centre_upper() const { return upper_begin + upper_end; }
   /// SA' of the MBSAH up to a constant factor: four times half the surface area at the centre; 0 if empty.
@@ -57,6 +57,7 @@ LinearBounds shifted_chord(std::span<const BoundsSample> samples);
 
 /// For each face the line outside all samples that is tightest at the centre: the edge of their convex hull
 /// that spans the centre. Optimal for SA'; what leaves use. Samples ascend in parameter, from 0 to 1.
+/// More than two are rounded outwards, for the rounding of parameters and lines.
 LinearBounds tightest_at_centre(std::span<const BoundsSample> samples);
 
 }  // namespace stbvh

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -43,11 +44,13 @@ BuildMesh::BuildMesh(const MeshView& view, std::size_t index) : view_(view) {
   }
   if (view.steps.size() > 1) {
     const TimeRange range = view.time_range;
-    check(std::isfinite(range.begin) && std::isfinite(range.end) && range.begin < range.end &&
-              std::isfinite(range.end - range.begin),
+    const float length = range.end - range.begin;
+    check(std::isfinite(range.begin) && std::isfinite(range.end) && std::isfinite(length) &&
+              length >= std::numeric_limits<float>::min(),
           index, "has a time range that is empty or not finite");
   }
   grid_ = make_grid(view_);
+  for (std::uint32_t k = 1; k < segments(); ++k) boundaries_.push_back(first_time_of_segment(grid_, k));
   find_invalid_vertices();
 }
 
@@ -91,15 +94,41 @@ BuildMesh::SegmentRange BuildMesh::segments_in(const ClosedTimeRange& range) con
   return {segment_at(grid_, r.begin).segment, segment_at(grid_, r.last).segment};
 }
 
+namespace {
+
+/// Floats as integers of the same order.
+std::int32_t ordered(float x) {
+  const auto bits = std::bit_cast<std::int32_t>(x);
+  return bits >= 0 ? bits : std::numeric_limits<std::int32_t>::min() - bits;
+}
+float from_ordered(std::int32_t i) {
+  return std::bit_cast<float>(i >= 0 ? i : std::numeric_limits<std::int32_t>::min() - i);
+}
+
+}  // namespace
+
 float first_time_of_segment(const TimeGrid& grid, std::uint32_t segment) {
-  const double fraction = static_cast<double>(segment) / static_cast<double>(grid.segments);
-  constexpr float inf = std::numeric_limits<float>::infinity();
-  float t = static_cast<float>(grid.begin + fraction * (static_cast<double>(grid.end) - grid.begin));
-  t = std::clamp(t, grid.begin, grid.end);
-  while (t > grid.begin && segment_at(grid, std::nextafter(t, -inf)).segment >= segment)
-    t = std::nextafter(t, -inf);
-  while (t < grid.end && segment_at(grid, t).segment < segment) t = std::nextafter(t, inf);
-  return t;
+  std::int64_t below = ordered(grid.begin);  // segment 0
+  std::int64_t reached = ordered(grid.end);  // the last segment
+  while (reached - below > 1) {
+    const std::int64_t middle = below + (reached - below) / 2;
+    const float time = from_ordered(static_cast<std::int32_t>(middle));
+    (segment_at(grid, time).segment >= segment ? reached : below) = middle;
+  }
+  return from_ordered(static_cast<std::int32_t>(reached));
+}
+
+std::optional<float> BuildMesh::central_boundary(const ClosedTimeRange& range) const {
+  const float centre = 0.5f * range.begin + 0.5f * range.last;
+  std::optional<float> best;
+  const auto consider = [&](std::vector<float>::const_iterator it) {
+    if (it == boundaries_.end() || *it <= range.begin || *it > range.last) return;
+    if (!best || std::fabs(*it - centre) < std::fabs(*best - centre)) best = *it;
+  };
+  const auto above = std::lower_bound(boundaries_.begin(), boundaries_.end(), centre);
+  if (above != boundaries_.begin()) consider(above - 1);
+  consider(above);
+  return best;
 }
 
 }  // namespace stbvh

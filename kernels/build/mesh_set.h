@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -56,6 +57,10 @@ class BuildMesh {
   };
   SegmentRange segments_in(const ClosedTimeRange& range) const;
 
+  /// The step boundary inside `range` that is nearest to its centre: the first time of a segment other than
+  /// the first one met. None where one segment covers the range.
+  std::optional<float> central_boundary(const ClosedTimeRange& range) const;
+
   /// `range` cut to the times at which the mesh is alive; begin > last if there is none.
   ClosedTimeRange alive(const ClosedTimeRange& range) const;
 
@@ -64,6 +69,7 @@ class BuildMesh {
 
   MeshView view_;
   TimeGrid grid_;
+  std::vector<float> boundaries_;       ///< first_time_of_segment of segments 1 to S - 1
   std::vector<bool> invalid_vertices_;  ///< empty: all are valid
 };
 

@@ -47,7 +47,7 @@ void sample_bounds(const BuildMesh& mesh, const MotionSamples& samples,
     }
     boxes[i] = {sample.parameter, lower, upper};
     const F32x4 largest = max(abs(lower), abs(upper)) + motion;
-    pad = max(pad, F32x4(0x1p-20f * mesh.grid().segments) * motion + F32x4(0x1p-21f) * largest);
+    pad = max(pad, F32x4(0x1p-20f * mesh.grid().segments) * motion + F32x4(0x1p-20f) * largest);
   }
   if (mesh.is_static()) return;
   for (BoundsSample& box : boxes.first(samples.count)) {

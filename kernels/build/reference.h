@@ -2,8 +2,8 @@
 #pragma once
 
 #include <array>
-#include <bit>
 #include <cstdint>
+#include <cstring>
 #include <span>
 #include <vector>
 
@@ -13,7 +13,7 @@
 namespace stbvh {
 
 /// Linear bounds over the time range of the set that holds the reference (not stored), and whose they are:
-/// the unused lanes of the lower corners carry the ids.
+/// the fourth lanes of the corners at its begin carry the ids.
 struct Reference {
   float lower_begin[3];
   std::uint32_t prim;
@@ -48,7 +48,7 @@ struct MotionSamples {
 };
 
 /// Boxes of the given vertices at all samples, written to `boxes` (at least samples.count), padded for the
-/// rounding of the segment's fraction (docs/algorithm.md, "What a bound must add up").
+/// rounding of the segment's fraction (docs/algorithm.md, "Why it does not leak").
 void sample_bounds(const BuildMesh& mesh, const MotionSamples& samples,
                    std::span<const std::uint32_t> vertices, std::span<BoundsSample> boxes);
 
@@ -57,6 +57,11 @@ void sample_bounds(const BuildMesh& mesh, const MotionSamples& samples,
 LinearBounds motion_bounds(const BuildMesh& mesh, const MotionSamples& samples,
                            std::span<const std::uint32_t> vertices,
                            LinearBounds (*fit)(std::span<const BoundsSample>));
+
+/// Moves references towards the front of the array they stand in.
+inline void move_down(const Reference* from, std::size_t count, Reference* to) {
+  std::memmove(static_cast<void*>(to), from, count * sizeof(Reference));
+}
 
 Reference make_reference(const LinearBounds& bounds, std::uint32_t mesh, std::uint32_t prim);
 

@@ -46,31 +46,18 @@ class ReferenceMaker {
   std::uint32_t mesh_ = 0;
 };
 
-/// The mesh with the most segments in the range, among those of the sample.
+/// The mesh of the finest grid, among the references of the sample; of several the one that comes first.
 const BuildMesh* finest_mesh(const BuildContext& context, const ReferenceSet& set, std::size_t stride) {
   const BuildMesh* finest = nullptr;
+  float most_segments = 0.0f;  // per unit of time
   for (std::size_t i = 0; i < set.size(); i += stride) {
     const BuildMesh& mesh = context.meshes[set.references[i].mesh];
-    if (mesh.is_static()) continue;
-    // Ties go to the lower index, so that the order of references does not matter.
-    if (finest == nullptr ||
-        mesh.grid().segments / mesh.grid().length > finest->grid().segments / finest->grid().length)
-      finest = &mesh;
+    const float segments = mesh.grid().segments / mesh.grid().length;
+    if (segments < most_segments || (segments == most_segments && &mesh >= finest)) continue;
+    finest = &mesh;
+    most_segments = segments;
   }
-  return finest;
-}
-
-std::optional<float> central_boundary(const BuildMesh& mesh, const ClosedTimeRange& range) {
-  const ClosedTimeRange alive = mesh.alive(range);
-  if (!(alive.begin <= alive.last)) return std::nullopt;
-  const BuildMesh::SegmentRange segments = mesh.segments_in(range);
-  const float centre = 0.5f * (range.begin + range.last);
-  std::optional<float> best;
-  for (std::uint32_t k = segments.first + 1; k <= segments.last; ++k) {
-    const float time = first_time_of_segment(mesh.grid(), k);
-    if (!best || std::fabs(time - centre) < std::fabs(*best - centre)) best = time;
-  }
-  return best;
+  return most_segments > 0.0f ? finest : nullptr;
 }
 
 /// Linear bounds of something over a range and over its two halves.
@@ -108,8 +95,8 @@ std::optional<TemporalSplit> find_temporal_split(const BuildContext& context, co
   const std::size_t stride = (set.size() + kSample - 1) / kSample;
   const BuildMesh* mesh = finest_mesh(context, set, stride);
   if (mesh == nullptr) return std::nullopt;
-  const std::optional<float> boundary = central_boundary(*mesh, set.range);
-  if (!boundary || *boundary <= set.range.begin) return std::nullopt;
+  const std::optional<float> boundary = mesh->central_boundary(set.range);
+  if (!boundary) return std::nullopt;
 
   TemporalSplit split;
   split.halves[0] = {set.range.begin, std::nextafter(*boundary, -std::numeric_limits<float>::infinity())};
@@ -157,8 +144,7 @@ ReferenceSet remake_references(const BuildContext& context, const ReferenceSet& 
   }
   std::size_t total = 0;
   for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
-    const auto source = storage.begin() + static_cast<std::ptrdiff_t>(chunk * kChunk);
-    std::copy_n(source, counts[chunk], storage.begin() + static_cast<std::ptrdiff_t>(total));
+    move_down(storage.data() + chunk * kChunk, counts[chunk], storage.data() + total);
     total += counts[chunk];
   }
   ReferenceSet half;

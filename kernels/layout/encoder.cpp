@@ -38,7 +38,7 @@ Link make_link(LinkKind kind, std::size_t unit) {
 
 /// One face of linear bounds as plane + (t - begin) * slope, evaluated in float with or without fma, outside
 /// the line through (begin, at_begin) and (last, at_last) at every float t between. With m the larger
-/// magnitude, rounding of plane, slope, t - begin, product and sum adds up to less than 9 * 2^-24 * m
+/// magnitude, rounding of duration, plane, slope, t - begin, product and sum stays below 10 * 2^-24 * m
 /// (docs/algorithm.md).
 struct Face {
   float plane, slope;
@@ -50,6 +50,7 @@ Face make_face(float at_begin, float at_last, float duration, bool upper) {
   const float largest = std::max(std::fabs(at_begin), std::fabs(at_last));
   const float pad = largest * 0x1p-20f + 4.0f * std::numeric_limits<float>::min();
   const float slope = static_cast<float>((static_cast<double>(at_last) - at_begin) / duration);
+  if (!std::isfinite(slope)) return make_face(at_begin, at_last, 0.0f, upper);
   const float plane = std::nextafter(upper ? at_begin + pad : at_begin - pad, outwards);
   return {plane, slope};
 }

@@ -39,6 +39,7 @@ struct alignas(kUnitBytes) LinearNode {
   float slopes[kPlanes][kWidth];
   Link children[kWidth];
   float time_begin;
+  std::uint32_t unused[7];  ///< 0
 };
 
 /// Linear bounds anchored at each child's own time range; a child is alive for time_begin <= t <= time_last.

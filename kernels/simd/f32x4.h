@@ -3,9 +3,6 @@
 
 #include <emmintrin.h>
 
-#include <bit>
-#include <cstdint>
-
 #include "stbvh/vec.h"
 
 namespace stbvh {

@@ -85,6 +85,7 @@ inline bool decide(const TraversalRay& ray, const LeafHeader& leaf, const Sheare
   const double inverse = 1.0 / det;
   const double z = (wa * s.axis[2][a] + wb * s.axis[2][b] + wc * s.axis[2][c]) * inverse;
   t = static_cast<float>(z * ray.inverse_z);
+  if (!is_finite(t)) return false;
   u = static_cast<float>(wb * inverse);
   v = static_cast<float>(wc * inverse);
   return true;

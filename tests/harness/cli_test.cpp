@@ -8,8 +8,10 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "harness/cli/closest_name.h"
+#include "harness/cli/wrong_answers.h"
 
 namespace stbvh::harness {
 namespace {
@@ -71,7 +73,8 @@ TEST(Program, SuggestsTheClosestName) {
 TEST(Program, ListsAndHelps) {
   const Outcome list = stbvh_ab("list");
   EXPECT_EQ(list.exit_code, 0);
-  for (const char* name : {"barbershop", "static-city", "stbvh-direct", "lbvh-4v", "uniform"}) {
+  for (const char* name :
+       {"barbershop", "static-city", "stbvh-direct", "stbvh-direct-indexed", "lbvh-4v", "uniform"}) {
     EXPECT_NE(list.out.find(name), std::string::npos) << name;
   }
   EXPECT_EQ(stbvh_ab("--help").exit_code, 0);
@@ -126,6 +129,31 @@ TEST_F(Records, OfErrorFindNoneInOurs) {
     EXPECT_EQ(r["missed"], 0);
     EXPECT_EQ(r["false_hits"], 0);
     EXPECT_EQ(r["wrong_primitive"], 0);
+  }
+}
+
+TEST(WrongAnswers, OfOursAreAnErrorThoseOfOthersAreFigures) {
+  const ErrorResult others{.scene = "s", .structure = "embree", .rays = "bounce", .missed = 3};
+  const ErrorResult rounding{
+      .scene = "s", .structure = "stbvh", .rays = "bounce", .ties = 7, .within_rounding = 9};
+  EXPECT_NO_THROW(require_right_answers({}));
+  EXPECT_NO_THROW(require_right_answers(std::vector{others, rounding}));
+  for (const char* structure : {"stbvh", "stbvh-direct", "stbvh-direct-indexed"}) {
+    for (auto count : {&ErrorResult::missed, &ErrorResult::false_hits, &ErrorResult::wrong_primitive}) {
+      ErrorResult ours{.scene = "s", .structure = structure, .rays = "shadow"};
+      ours.*count = 1;
+      EXPECT_THROW(require_right_answers(std::vector{others, ours}), WrongAnswers) << structure;
+    }
+  }
+  try {
+    require_right_answers(std::vector{
+        others,
+        ErrorResult{.scene = "s", .structure = "stbvh", .rays = "shadow", .missed = 2, .false_hits = 1}});
+    FAIL();
+  } catch (const WrongAnswers& wrong) {
+    EXPECT_STREQ(
+        wrong.what(),
+        "3 wrong answers of our structures (stbvh on s, shadow: 2 missed, 1 false, 0 wrong primitive).");
   }
 }
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "harness/files/output_file.h"
 #include "harness/report/json.h"
 #include "harness/report/table.h"
 
@@ -65,7 +66,7 @@ TEST(Json, NamesThatAreNotUtf8StayReadable) {
   EXPECT_TRUE(nlohmann::json::accept(to_json(report, Machine{}, "")));
 }
 
-class ReportFile : public ::testing::Test {
+class OutputFile : public ::testing::Test {
  protected:
   void SetUp() override { std::filesystem::create_directories(directory_); }
   void TearDown() override { std::filesystem::remove_all(directory_); }
@@ -80,7 +81,7 @@ class ReportFile : public ::testing::Test {
       std::filesystem::temp_directory_path() / ("stbvh_report_test_" + std::to_string(getpid()));
 };
 
-TEST_F(ReportFile, AppearsWhole) {
+TEST_F(OutputFile, AppearsWhole) {
   const auto path = directory_ / "a.json";
   check_writable(path);
   EXPECT_FALSE(std::filesystem::exists(path));
@@ -90,12 +91,21 @@ TEST_F(ReportFile, AppearsWhole) {
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory_), {}), 1);
 }
 
-TEST_F(ReportFile, UnwritablePlacesAreRefused) {
-  EXPECT_THROW(check_writable(directory_ / "none" / "a.json"), ReportFileError);
-  EXPECT_THROW(check_writable(directory_), ReportFileError);
-  EXPECT_THROW(check_writable(directory_ / ""), ReportFileError);
-  EXPECT_THROW(write_file(directory_ / "none" / "a.json", "x"), ReportFileError);
-  EXPECT_THROW(write_file("/dev/full", "x"), ReportFileError);
+TEST_F(OutputFile, LinksStayLinks) {
+  write_file(directory_ / "a.json", "one");
+  std::filesystem::create_symlink(directory_ / "a.json", directory_ / "link");
+  check_writable(directory_ / "link");
+  write_file(directory_ / "link", "two");
+  EXPECT_TRUE(std::filesystem::is_symlink(directory_ / "link"));
+  EXPECT_EQ(content(directory_ / "a.json"), "two");
+}
+
+TEST_F(OutputFile, UnwritablePlacesAreRefused) {
+  EXPECT_THROW(check_writable(directory_ / "none" / "a.json"), OutputFileError);
+  EXPECT_THROW(check_writable(directory_), OutputFileError);
+  EXPECT_THROW(check_writable(directory_ / ""), OutputFileError);
+  EXPECT_THROW(write_file(directory_ / "none" / "a.json", "x"), OutputFileError);
+  EXPECT_THROW(write_file("/dev/full", "x"), OutputFileError);
   EXPECT_NO_THROW(write_file("/dev/null", "x"));
   EXPECT_FALSE(std::filesystem::is_regular_file("/dev/null"));
 }

@@ -8,19 +8,10 @@
 #include "harness/structures/memory_estimate.h"
 #include "harness/structures/structure_under_test.h"
 #include "tests/harness/test_scenes.h"
+#include "tests/harness/trace_all.h"
 
 namespace stbvh::harness {
 namespace {
-
-std::vector<HitRecord> trace_all(const StructureUnderTest& structure, const RaySet& rays) {
-  std::vector<HitRecord> hits(rays.rays.size());
-  if (rays.any_hit()) {
-    structure.occluded(rays.rays, hits);
-  } else {
-    structure.intersect(rays.rays, hits);
-  }
-  return hits;
-}
 
 class EachStructure : public ::testing::TestWithParam<std::string_view> {};
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "harness/scenes/gltf/clip.h"
+#include "harness/scenes/gltf/framing.h"
 #include "harness/scenes/gltf/gltf_file.h"
 #include "harness/scenes/gltf/pose.h"
 #include "harness/scenes/gltf/primitive.h"
@@ -101,23 +102,6 @@ std::vector<Mesh> make_meshes(const tinygltf::Model& model, const NodeTree& tree
   return meshes;
 }
 
-/// Looks at the whole scene from the front right and a little above; glTF's front is +z.
-Camera framing_camera(const Box3f& box) {
-  Camera camera;
-  const Vec3f center{(box.lower.x + box.upper.x) / 2, (box.lower.y + box.upper.y) / 2,
-                     (box.lower.z + box.upper.z) / 2};
-  const float radius =
-      std::hypot(box.upper.x - box.lower.x, box.upper.y - box.lower.y, box.upper.z - box.lower.z) / 2;
-  if (!std::isfinite(radius) || !(radius > 0)) return camera;
-  constexpr Vec3f kTowardsCamera{0.5715f, 0.3429f, 0.7454f};  // of length 1
-  const float half_angle = camera.vertical_fov_degrees * 0.5f * 3.14159265f / 180;
-  const float distance = radius / std::sin(half_angle);
-  camera.target = center;
-  camera.position = {center.x + kTowardsCamera.x * distance, center.y + kTowardsCamera.y * distance,
-                     center.z + kTowardsCamera.z * distance};
-  return camera;
-}
-
 Scene load(const std::filesystem::path& file, const GltfOptions& options) {
   if (options.steps < 1 || options.steps > kMaxSteps) {
     fail("{} steps are asked for, but only 1 to {} are possible", options.steps, kMaxSteps);
@@ -132,7 +116,7 @@ Scene load(const std::filesystem::path& file, const GltfOptions& options) {
   Scene scene;
   scene.name = file.stem().string();
   scene.meshes = make_meshes(model, tree, poses);
-  scene.camera = framing_camera(scene.bounds());
+  scene.camera = framing_camera(scene);
   return scene;
 }
 

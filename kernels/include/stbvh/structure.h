@@ -22,7 +22,8 @@ struct BuildCallbacks {
   /// Gives back what `allocate` returned; called by the structure's destructor.
   std::function<void(void* data, std::size_t bytes)> release;
   /// Told how many bytes of temporary memory the build takes (+) or gives back (-); may be called from any
-  /// worker thread. Returns false to cancel the build.
+  /// worker thread. Returns false to cancel the build; the bytes it refuses are not taken, and not given
+  /// back.
   std::function<bool(std::ptrdiff_t bytes)> temporary_memory;
   /// Told the fraction done, 0 to 1, never decreasing, one call at a time. Returns false to cancel the build.
   std::function<bool(double fraction)> progress;
@@ -46,7 +47,7 @@ struct InvalidMesh : std::invalid_argument {
 };
 
 struct BuildStatistics {
-  std::size_t triangles = 0;           ///< valid triangles
+  std::size_t triangles = 0;           ///< valid, and alive at some time in [0, 1]
   std::size_t invalid_triangles = 0;   ///< left out: index out of range, or a vertex not finite in some step
   std::size_t primitive_segments = 0;  ///< sum over valid triangles of max(segments, 1)
   std::size_t structure_bytes = 0;     ///< nodes, leaves and mesh table
@@ -91,7 +92,8 @@ struct HitFilter {
   void* user = nullptr;
 };
 
-/// What a traversal met, for reports; counted in a template of its own.
+/// What a traversal met, for reports; counted in a template of its own. Leaves are those whose triangles were
+/// tested: not those that the ray's mask or time rules out.
 struct TraversalCounters {
   std::uint64_t nodes = 0;
   std::uint64_t leaves = 0;
@@ -102,7 +104,8 @@ struct TraversalCounters {
 class Structure {
  public:
   /// Builds over `meshes` (Woop et al. 2017, section 3). The tree is the same for any number of threads.
-  /// Throws InvalidMesh, BuildCancelled, std::bad_alloc, and what the callbacks throw.
+  /// Throws InvalidMesh, BuildCancelled, std::bad_alloc, std::length_error (a structure above 32 GiB), and
+  /// what the callbacks throw.
   static std::unique_ptr<Structure> build(std::span<const MeshView> meshes,
                                           const BuildSettings& settings = {},
                                           const BuildCallbacks& callbacks = {});

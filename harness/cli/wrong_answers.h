@@ -1,0 +1,20 @@
+/// Ours must be right: a wrong answer of a structure of ours is an error of the program's, not a figure.
+#pragma once
+
+#include <span>
+#include <stdexcept>
+
+#include "harness/report/records.h"
+
+namespace stbvh::harness {
+
+/// what() is one sentence for the user; the program ends with exit code 1.
+struct WrongAnswers : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Throws WrongAnswers if one of our structures (stbvh, stbvh-direct, ...) missed, falsely hit or hit a wrong
+/// primitive beyond rounding in any of `results`. What other structures answer is theirs.
+void require_right_answers(std::span<const ErrorResult> results);
+
+}  // namespace stbvh::harness

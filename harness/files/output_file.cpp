@@ -1,0 +1,105 @@
+#include "harness/files/output_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <system_error>
+
+namespace stbvh::harness {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A file descriptor with an owner.
+class OpenFile {
+ public:
+  OpenFile(const fs::path& path, int flags) : descriptor_(open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
+  ~OpenFile() {
+    if (descriptor_ >= 0) close(descriptor_);
+  }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+
+  bool is_open() const { return descriptor_ >= 0; }
+
+  /// Whether all of `bytes` arrived, also on the disk where there is one. A failure is in errno.
+  bool write_all(std::string_view bytes) {
+    std::size_t done = 0;
+    while (done < bytes.size()) {
+      const ssize_t n = write(descriptor_, bytes.data() + done, bytes.size() - done);
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) return false;
+      done += static_cast<std::size_t>(n);
+    }
+    return fsync(descriptor_) == 0 || errno == EINVAL || errno == EROFS;
+  }
+
+ private:
+  int descriptor_;
+};
+
+[[noreturn]] void fail(const fs::path& path, int error) {
+  throw OutputFileError(
+      fmt::format("Cannot write to \"{}\": {}.", path.string(), std::generic_category().message(error)));
+}
+
+bool is_special(const fs::path& path) {
+  std::error_code ignored;
+  const auto status = fs::status(path, ignored);
+  return fs::exists(status) && !fs::is_regular_file(status);
+}
+
+/// The file behind `path`, so that a link stays a link.
+fs::path target_of(const fs::path& path) {
+  std::error_code error;
+  const fs::path target = fs::canonical(path, error);
+  return error ? path : target;  // not there yet, or not reachable: opening it will tell
+}
+
+/// A name beside `target` that no other writer uses.
+fs::path temporary_beside(const fs::path& target) {
+  static std::atomic<unsigned> counter{0};
+  fs::path name = target;
+  name += fmt::format(".{}-{}.partial", getpid(), counter.fetch_add(1));
+  return name;
+}
+
+constexpr int kNewFile = O_WRONLY | O_CREAT | O_EXCL;
+
+}  // namespace
+
+void check_writable(const fs::path& path) {
+  if (path.filename().empty()) fail(path, EISDIR);
+  if (is_special(path)) {
+    const OpenFile file(path, O_WRONLY | O_NONBLOCK);
+    if (!file.is_open() && errno != ENXIO) fail(path, errno);  // ENXIO: a pipe that nobody reads yet
+    return;
+  }
+  const fs::path temporary = temporary_beside(target_of(path));
+  const OpenFile file(temporary, kNewFile);
+  if (!file.is_open()) fail(path, errno);
+  unlink(temporary.c_str());
+}
+
+void write_file(const fs::path& path, std::string_view bytes) {
+  if (is_special(path)) {
+    OpenFile file(path, O_WRONLY);
+    if (!file.is_open() || !file.write_all(bytes)) fail(path, errno);
+    return;
+  }
+  const fs::path target = target_of(path);
+  const fs::path temporary = temporary_beside(target);
+  OpenFile file(temporary, kNewFile);
+  if (!file.is_open()) fail(path, errno);
+  if (!file.write_all(bytes) || rename(temporary.c_str(), target.c_str()) != 0) {
+    const int error = errno;
+    unlink(temporary.c_str());
+    fail(path, error);
+  }
+}
+
+}  // namespace stbvh::harness

@@ -1,0 +1,67 @@
+#include "harness/scenes/gltf/framing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "harness/scenes/procedural/mesh_tools.h"
+
+namespace stbvh::harness::gltf {
+namespace {
+
+constexpr double kMargin = 0.98;  // share of the picture that the scene's larger side takes
+
+/// One axis of the picture: the planes that bound it on either side, pushed outwards until every vertex is
+/// between them. Where they meet is the nearest place for the camera.
+struct Reach {
+  double above = -std::numeric_limits<double>::infinity();
+  double below = -std::numeric_limits<double>::infinity();
+
+  void add(double offset, double slope, double depth) {
+    above = std::max(above, offset - slope * depth);
+    below = std::max(below, -offset - slope * depth);
+  }
+  /// The largest depth of a camera that still has everything between its planes, and where it then stands.
+  double camera_depth(double slope) const { return -(above + below) / (2 * slope); }
+  double camera_offset() const { return (above - below) / 2; }
+};
+
+template <class Visit>
+void for_each_vertex(const Scene& scene, Visit&& visit) {
+  for (const Mesh& mesh : scene.meshes) {
+    for (const VertexBuffer& step : mesh.steps) {
+      for (const Vec3f& p : step.span()) {
+        if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) visit(Vec3{p.x, p.y, p.z});
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Camera framing_camera(const Scene& scene) {
+  Camera camera;
+  const Vec3 forward = normalize(Vec3{-0.5715, -0.3429, -0.7454});
+  const Vec3 right = normalize(cross(forward, Vec3{0, 1, 0}));
+  const Vec3 up = cross(right, forward);
+  const double slope_up = kMargin * std::tan(camera.vertical_fov_degrees * kPi / 360);
+  const double slope_right = kPictureAspect * slope_up;
+  Reach reach_right, reach_up;
+  double nearest = std::numeric_limits<double>::infinity(), farthest = -nearest;
+  for_each_vertex(scene, [&](Vec3 p) {
+    const double depth = dot(p, forward);
+    reach_right.add(dot(p, right), slope_right, depth);
+    reach_up.add(dot(p, up), slope_up, depth);
+    nearest = std::min(nearest, depth);
+    farthest = std::max(farthest, depth);
+  });
+  const double depth = std::min(reach_right.camera_depth(slope_right), reach_up.camera_depth(slope_up));
+  const double distance = (nearest + farthest) / 2 - depth;
+  if (!std::isfinite(distance) || !(distance > 0)) return camera;
+  const Vec3 position = right * reach_right.camera_offset() + up * reach_up.camera_offset() + forward * depth;
+  camera.position = to_float(position);
+  camera.target = to_float(position + forward * distance);
+  return camera;
+}
+
+}  // namespace stbvh::harness::gltf

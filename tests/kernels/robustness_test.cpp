@@ -1,0 +1,351 @@
+/// The tree finds, bit for bit, what the triangle test accepts without a tree: in scenes and for rays chosen
+/// to hurt, with and without flush-to-zero, on every instruction set, in inline and indexed leaves.
+#include <gtest/gtest.h>
+#include <tbb/task_group.h>
+#include <xmmintrin.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <string>
+
+#include "hard_meshes.h"
+#include "stbvh/structure.h"
+#include "test_meshes.h"
+#include "unculled.h"
+
+namespace stbvh {
+namespace {
+
+using test::flat;
+using test::needles;
+using test::ordinary;
+using test::Random;
+using test::TestMesh;
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+/// Sets flush-to-zero and denormals-are-zero while it lives.
+class FlushToZero {
+ public:
+  explicit FlushToZero(bool on) : before_(_mm_getcsr()) {
+    if (on) _mm_setcsr(before_ | 0x8040u);
+  }
+  ~FlushToZero() { _mm_setcsr(before_); }
+
+ private:
+  unsigned before_;
+};
+
+std::vector<MeshView> views(std::vector<TestMesh>& meshes) {
+  std::vector<MeshView> v;
+  for (TestMesh& mesh : meshes) v.push_back(mesh.view());
+  return v;
+}
+
+// Meshes ----------------------------------------------------------------------------------------------------
+
+TestMesh placed(TestMesh mesh, float scale, float offset) {
+  for (auto& step : mesh.positions) {
+    for (Vec3f& p : step) p = {offset + scale * p.x, offset - scale * p.y, offset + scale * p.z};
+  }
+  return mesh;
+}
+
+TestMesh timed(TestMesh mesh, TimeRange range) {
+  mesh.time_range = range;
+  return mesh;
+}
+
+struct Scene {
+  std::string name;
+  float scale;  ///< about the extent of what is in it
+  std::vector<TestMesh> meshes;
+};
+
+std::vector<TestMesh> mixed_grids(bool ranges_touch) {
+  constexpr std::size_t kSteps[] = {2, 3, 5, 7, 13, 16};
+  std::vector<TestMesh> meshes;
+  for (const std::size_t steps : kSteps) {
+    const auto i = static_cast<std::uint32_t>(meshes.size());
+    meshes.push_back(ordinary(12, steps, 30 + i));
+    if (ranges_touch) {
+      meshes.back().time_range = {static_cast<float>(i) / 6.0f, static_cast<float>(i + 1) / 6.0f};
+    }
+  }
+  return meshes;
+}
+
+std::vector<Scene> all_scenes() {
+  constexpr TimeRange kInner{0.1f, 0.9f};
+  std::vector<Scene> scenes;
+  const auto add = [&](const char* name, float scale, std::vector<TestMesh> meshes) {
+    scenes.push_back({name, scale, std::move(meshes)});
+  };
+  add("offset_1e3", 1, {placed(ordinary(40, 9, 1), 1, 1e3f), placed(ordinary(20, 1, 2), 1, 1e3f)});
+  add("offset_1e6", 1, {placed(ordinary(40, 37, 3), 1, 1e6f), placed(ordinary(20, 1, 4), 1, -1e6f)});
+  add("small_at_offset_1e3", 1e-3f, {placed(ordinary(60, 9, 5), 1e-3f, 1e3f)});
+  add("scale_1e_minus_15", 1e-15f,
+      {placed(ordinary(40, 9, 6), 1e-15f, 0), placed(flat(20, 3, 7, false), 1e-15f, 0)});
+  add("scale_1e_minus_3", 1e-3f, {placed(ordinary(60, 9, 8), 1e-3f, 0)});
+  add("scale_1e15", 1e15f, {placed(ordinary(60, 9, 9), 1e15f, 0)});
+  add("scale_5e17", 5e17f, {placed(ordinary(60, 5, 10), 5e17f, 0)});
+  add("steps_129", 1, {timed(ordinary(50, 129, 11), kInner), ordinary(10, 1, 12)});
+  add("steps_129_at_offset_1e6", 1, {timed(placed(ordinary(60, 129, 13), 1, 1e6f), kInner)});
+  add("mixed_grids", 1, mixed_grids(false));
+  add("mixed_grids_one_after_the_other", 1, mixed_grids(true));
+  add("fast_motion", 1, {ordinary(50, 7, 14, 5.0f, 1e-3f), ordinary(20, 65, 15, 5.0f, 1e-3f)});
+  add("needles", 1, {needles(40, 9, 16), needles(20, 1, 17)});
+  add("needles_at_offset_1e3", 1, {placed(needles(60, 5, 18), 1, 1e3f)});
+  add("flat", 1, {flat(50, 5, 19, false), flat(20, 1, 20, false)});
+  add("in_one_plane", 1, {flat(50, 5, 21, true), flat(20, 1, 22, true)});
+  return scenes;
+}
+
+// Rays ------------------------------------------------------------------------------------------------------
+
+/// A point of a triangle (inside, on an edge or a corner) at `time`, rounded once.
+Vec3f point_on(const TestMesh& mesh, std::size_t triangle, float time, Random& random) {
+  double u = 0.0;
+  const auto segments = static_cast<double>(mesh.positions.size() - 1);
+  if (segments > 0) {
+    const double begin = mesh.time_range.begin, end = mesh.time_range.end;
+    u = std::clamp((time - begin) / (end - begin), 0.0, 1.0) * segments;
+  }
+  const auto k = static_cast<std::size_t>(std::min(std::floor(u), std::max(segments - 1, 0.0)));
+  const double f = u - static_cast<double>(k);
+  double weight[3] = {random.unit(), random.unit(), random.unit()};
+  const std::uint32_t kind = random.bits() % 4;
+  if (kind < 2) weight[random.bits() % 3] = 0.0;  // an edge, or, with the next line, perhaps a corner
+  if (kind < 1) weight[random.bits() % 3] = 0.0;
+  const double sum = weight[0] + weight[1] + weight[2];
+  double p[3] = {0, 0, 0};
+  for (std::size_t corner = 0; corner < 3; ++corner) {
+    const std::uint32_t vertex = mesh.indices[3 * triangle + corner];
+    const Vec3f& a = mesh.positions[k][vertex];
+    const Vec3f& b = mesh.positions[segments > 0 ? k + 1 : 0][vertex];
+    const double w = weight[corner] / sum;
+    p[0] += w * ((1 - f) * a.x + f * b.x);
+    p[1] += w * ((1 - f) * a.y + f * b.y);
+    p[2] += w * ((1 - f) * a.z + f * b.z);
+  }
+  return {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+}
+
+/// Somewhere, or at the boundary of two steps of `mesh` or one float beside it, or at an end of all time.
+float random_time(const TestMesh& mesh, Random& random) {
+  const TimeRange range = mesh.time_range;
+  float time = random.between(range.begin, range.end);
+  const std::uint32_t kind = random.bits() % 8;
+  if (kind < 5 && mesh.positions.size() > 1) {
+    const auto segments = static_cast<std::uint32_t>(mesh.positions.size() - 1);
+    const double share = static_cast<double>(random.bits() % (segments + 1)) / segments;
+    time = static_cast<float>(range.begin + share * (static_cast<double>(range.end) - range.begin));
+    if (kind == 3) time = std::nextafter(time, 2.0f);
+    if (kind == 4) time = std::nextafter(time, -1.0f);
+  }
+  if (kind == 7) time = static_cast<float>(random.bits() % 2);
+  return std::clamp(time, 0.0f, 1.0f);
+}
+
+/// Any direction; often with components that are zero of either sign, or next to nothing.
+Vec3f random_direction(Random& random) {
+  constexpr float kSmall[] = {0.0f, -0.0f, 0.0f, -0.0f, 1e-20f, -1e-7f, 1e-42f};
+  const Vec3f d = random.point(1.0f);
+  float components[3] = {d.x, d.y, d.z};
+  const std::uint32_t kind = random.bits() % 4;
+  for (std::uint32_t i = 0; i < kind && i < 2; ++i) {
+    components[random.bits() % 3] = kSmall[random.bits() % std::size(kSmall)];
+  }
+  return {components[0], components[1], components[2]};
+}
+
+Ray random_ray(const Scene& scene, Random& random) {
+  constexpr float kDistances[] = {0.5f, 3.0f, 3.0f, 1e4f};
+  constexpr float kLengths[] = {1.0f, 1.0f, 0x1p-60f, 0x1p30f};
+  const TestMesh& mesh = scene.meshes[random.bits() % scene.meshes.size()];
+  const TestMesh& clock = scene.meshes[random.bits() % scene.meshes.size()];
+  const float time = random_time(random.bits() % 2 == 0 ? mesh : clock, random);
+  const Vec3f target = point_on(mesh, random.bits() % (mesh.indices.size() / 3), time, random);
+  const Vec3f d = random_direction(random);
+  const float distance = kDistances[random.bits() % std::size(kDistances)] * scene.scale;
+  const float length = kLengths[random.bits() % std::size(kLengths)];
+  Ray ray{};
+  ray.origin = {target.x - distance * d.x, target.y - distance * d.y, target.z - distance * d.z};
+  ray.direction = {length * d.x, length * d.y, length * d.z};
+  ray.tfar = kInf;
+  ray.time = time;
+  ray.mask = 0xFFFFFFFFu;
+  return ray;
+}
+
+// The comparison --------------------------------------------------------------------------------------------
+
+struct Tally {
+  int rays = 0, hits = 0, wrong = 0;
+};
+
+std::string describe(const Ray& ray) {
+  char text[256];
+  std::snprintf(text, sizeof text, "origin (%a, %a, %a) direction (%a, %a, %a) time %a", ray.origin.x,
+                ray.origin.y, ray.origin.z, ray.direction.x, ray.direction.y, ray.direction.z, ray.time);
+  return text;
+}
+
+/// Whether the tree answers `ray` as `expected`; where two triangles are hit at the same t, either will do.
+bool agrees(const Structure& structure, const std::optional<Hit>& expected, Isa isa, Ray ray) {
+  Hit hit{};
+  if (structure.intersect_on(isa, ray, hit) != expected.has_value()) return false;
+  if (structure.occluded_on(isa, ray) != expected.has_value()) return false;
+  if (!expected) return true;
+  const auto same = [&] {
+    if (hit.t != expected->t) return false;
+    if (hit.prim_id != expected->prim_id || hit.geom_id != expected->geom_id) return true;
+    return hit.u == expected->u && hit.v == expected->v && hit.normal.x == expected->normal.x &&
+           hit.normal.y == expected->normal.y && hit.normal.z == expected->normal.z;
+  };
+  if (!same()) return false;
+  // Nothing but the hit is left of the ray: boxes may not be cut any closer.
+  ray.tfar = expected->t;
+  ray.tnear = std::nextafter(expected->t, -kInf);
+  return structure.occluded_on(isa, ray) && structure.intersect_on(isa, ray, hit) && same();
+}
+
+/// Compares on every instruction set, traced with and without flush-to-zero.
+template <typename MakeRay>
+Tally compare(std::span<const MeshView> meshes, const BuildSettings& settings, bool flush_build, int rays,
+              const MakeRay& make_ray) {
+  std::unique_ptr<Structure> structure;
+  std::unique_ptr<test::Unculled> unculled;
+  {
+    const FlushToZero guard(flush_build);
+    structure = Structure::build(meshes, settings);
+    unculled = std::make_unique<test::Unculled>(meshes);
+  }
+  Tally tally;
+  for (int i = 0; i < rays; ++i) {
+    const Ray ray = make_ray();
+    for (const bool flush_trace : {false, true}) {
+      const FlushToZero guard(flush_trace);
+      for (const Isa isa : available_isas()) {
+        const std::optional<Hit> expected = unculled->intersect(isa, ray);
+        ++tally.rays;
+        tally.hits += expected.has_value();
+        if (agrees(*structure, expected, isa, ray)) continue;
+        if (tally.wrong++ == 0) {
+          ADD_FAILURE() << isa_name(isa) << (flush_trace ? ", traced flushing, " : ", ") << describe(ray);
+        }
+      }
+    }
+  }
+  return tally;
+}
+
+constexpr std::size_t kInlineSteps[] = {kMaxSteps, 0};
+
+class RobustnessOf : public testing::TestWithParam<Scene> {};
+
+INSTANTIATE_TEST_SUITE_P(Scenes, RobustnessOf, testing::ValuesIn(all_scenes()),
+                         [](const auto& param_info) { return param_info.param.name; });
+
+TEST_P(RobustnessOf, TreeFindsWhatTheTriangleTestAccepts) {
+  Scene scene = GetParam();
+  for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) scene.meshes[i].geom_id = i;
+  const std::vector<MeshView> meshes = views(scene.meshes);
+  Random random(99);
+  for (const std::size_t max_inline_steps : kInlineSteps) {
+    for (const bool flush_build : {false, true}) {
+      SCOPED_TRACE((max_inline_steps > 0 ? "inline" : "indexed") +
+                   std::string(flush_build ? ", built flushing" : ""));
+      BuildSettings settings;
+      settings.max_inline_steps = max_inline_steps;
+      const Tally tally =
+          compare(meshes, settings, flush_build, 2000, [&] { return random_ray(scene, random); });
+      EXPECT_EQ(tally.wrong, 0) << "of " << tally.rays;
+      EXPECT_GT(tally.hits, tally.rays / 20);
+    }
+  }
+}
+
+// Time ranges -----------------------------------------------------------------------------------------------
+
+/// Lengths that are denormal, so that denormals-are-zero takes them for nothing: refused, or answered right.
+TEST(Robustness, TimeRangesOfDenormalLength) {
+  constexpr TimeRange kRanges[] = {{0.0f, 1e-40f}, {0.0f, 1e-45f}, {-1e-40f, 1e-40f}, {1.2e-38f, 1.21e-38f}};
+  for (const TimeRange range : kRanges) {
+    for (const std::size_t steps : {2u, 5u, 129u}) {
+      std::vector<TestMesh> meshes{timed(ordinary(30, steps, 41), range)};
+      const Scene scene{"", 1, meshes};
+      const std::vector<MeshView> mesh_views = views(meshes);
+      for (const std::size_t max_inline_steps : kInlineSteps) {
+        for (const bool flush_build : {false, true}) {
+          BuildSettings settings;
+          settings.max_inline_steps = max_inline_steps;
+          Random random(42);
+          try {
+            const Tally tally =
+                compare(mesh_views, settings, flush_build, 100, [&] { return random_ray(scene, random); });
+            EXPECT_EQ(tally.wrong, 0) << range.begin << " to " << range.end << ", " << steps << " steps";
+          } catch (const InvalidMesh& refused) {
+            EXPECT_NE(std::string(refused.what()), "");
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(Robustness, TimeRangesFarBeyondTheShutter) {
+  for (const TimeRange range :
+       {TimeRange{-1000.0f, 1000.0001f}, TimeRange{-1e6f, 1.0f}, TimeRange{0.0f, 3e30f}}) {
+    for (const std::size_t steps : {2u, 9u, 129u}) {
+      std::vector<TestMesh> meshes{timed(ordinary(1000, steps, 43), range)};
+      const Scene scene{"", 1, meshes};
+      Random random(44);
+      const Tally tally = compare(views(meshes), {}, false, 50, [&] { return random_ray(scene, random); });
+      EXPECT_EQ(tally.wrong, 0) << range.begin << " to " << range.end << ", " << steps << " steps";
+      EXPECT_GT(tally.hits, 0);
+    }
+  }
+}
+
+TEST(Robustness, MeshesNeverAliveAreNotInvalid) {
+  std::vector<TestMesh> meshes{ordinary(50, 5, 45), timed(ordinary(70, 5, 46), {2.0f, 3.0f}),
+                               timed(ordinary(30, 2, 47), {-3.0f, -1.0f})};
+  EXPECT_EQ(Structure::build(views(meshes))->statistics().invalid_triangles, 0u);
+  meshes[0].indices[4] = 0xFFFFFFFFu;
+  EXPECT_EQ(Structure::build(views(meshes))->statistics().invalid_triangles, 1u);
+  meshes.erase(meshes.begin());
+  EXPECT_EQ(Structure::build(views(meshes))->statistics().invalid_triangles, 0u);
+}
+
+// Cancelled task groups -------------------------------------------------------------------------------------
+
+/// Builds in a task of a group that is cancelled at once or at a tenth of the way; the tree must be whole if
+/// there is one.
+TEST(Robustness, BuildInACancelledTaskGroupIsWholeOrThrows) {
+  std::vector<TestMesh> meshes{test::sphere(30, 9), test::soup(9000, 3, 48, 0.05f)};
+  const std::vector<MeshView> mesh_views = views(meshes);
+  const std::uint64_t expected = Structure::build(mesh_views)->tree_hash();
+  for (const int tenth : {-1, 0, 2, 5, 8}) {
+    tbb::task_group group;
+    group.run([&] {
+      BuildCallbacks callbacks;
+      callbacks.progress = [&](double fraction) {
+        if (fraction >= tenth / 10.0) group.cancel();
+        return true;
+      };
+      if (tenth < 0) group.cancel();
+      try {
+        EXPECT_EQ(Structure::build(mesh_views, {}, callbacks)->tree_hash(), expected) << tenth;
+      } catch (const BuildCancelled&) {
+        SUCCEED();
+      }
+    });
+    group.wait();
+  }
+}
+
+}  // namespace
+}  // namespace stbvh

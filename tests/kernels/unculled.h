@@ -1,0 +1,85 @@
+/// The triangle test of the kernels with nothing above it: neither boxes nor splits in time.
+#pragma once
+
+#include <array>
+#include <cstring>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <vector>
+
+#include "test_meshes.h"
+
+namespace stbvh::test {
+
+/// One structure for each triangle whose root is a leaf, so that nothing is culled: what this accepts, a tree
+/// over the same triangles must find. All triangles must be valid.
+///
+/// A tree over one triangle that moves fast is split in time, and those nodes have boxes. So each structure
+/// is built over a triangle at rest, with an indexed leaf, which reads the caller's vertices when it is
+/// asked: after building, they are replaced by the moving ones.
+class Unculled {
+ public:
+  explicit Unculled(std::span<const MeshView> meshes) {
+    for (const MeshView& mesh : meshes) add(mesh);
+  }
+  Unculled(const Unculled&) = delete;
+  Unculled& operator=(const Unculled&) = delete;
+
+  std::optional<Hit> intersect(Isa isa, Ray ray) const {
+    std::optional<Hit> nearest;
+    for (const Triangle& triangle : triangles_) {
+      Hit hit;
+      if (!triangle.leaf->intersect_on(isa, ray, hit)) continue;
+      if (nearest && hit.t == nearest->t) continue;
+      nearest = hit;
+      nearest->prim_id = triangle.prim;
+      ray.tfar = hit.t;
+    }
+    return nearest;
+  }
+
+ private:
+  using Corners = std::array<Vec3f, 3>;
+
+  struct Triangle {
+    std::unique_ptr<Structure> leaf;
+    std::uint32_t prim;
+    std::vector<Corners> steps;  ///< read by `leaf`
+  };
+
+  static Corners corners(const VertexBufferView& step, const std::array<std::uint32_t, 3>& vertices) {
+    Corners p;
+    for (std::size_t i = 0; i < 3; ++i) {
+      std::memcpy(&p[i], static_cast<const char*>(step.data) + vertices[i] * step.stride, sizeof p[i]);
+    }
+    return p;
+  }
+
+  void add(const MeshView& mesh) {
+    constexpr std::array<std::uint32_t, 3> kOwnVertices{0, 1, 2};
+    for (std::size_t prim = 0; prim < mesh.triangle_count; ++prim) {
+      std::array<std::uint32_t, 3> vertices;
+      std::memcpy(&vertices, static_cast<const char*>(mesh.indices) + prim * mesh.index_stride,
+                  sizeof vertices);
+      std::vector<Corners> corners_of_steps(mesh.steps.size(), corners(mesh.steps[0], vertices));
+      std::vector<VertexBufferView> steps;
+      for (const Corners& step : corners_of_steps) steps.push_back({step.data(), 3, sizeof(Vec3f)});
+      MeshView one = mesh;
+      one.indices = kOwnVertices.data();
+      one.triangle_count = 1;
+      one.steps = steps;
+      BuildSettings indexed;
+      indexed.max_inline_steps = 0;
+      auto leaf = Structure::build({&one, 1}, indexed);
+      if (leaf->statistics().triangles == 0) continue;  // a mesh that is never alive
+      if (leaf->statistics().depth != 0) throw std::logic_error("a triangle at rest is more than a leaf");
+      for (std::size_t k = 0; k < steps.size(); ++k) corners_of_steps[k] = corners(mesh.steps[k], vertices);
+      triangles_.push_back({std::move(leaf), static_cast<std::uint32_t>(prim), std::move(corners_of_steps)});
+    }
+  }
+
+  std::vector<Triangle> triangles_;
+};
+
+}  // namespace stbvh::test
