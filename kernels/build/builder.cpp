@@ -90,7 +90,24 @@ void BinaryTree::build() {
   if (all.size() == 0) return;
   total_work_ =
       static_cast<double>(all.size()) * std::max(1e-30, static_cast<double>(range_.last) - range_.begin);
-  root_ = build_node(all, 0);
+  root_ = build_root(all);
+}
+
+BinaryNode* BinaryTree::build_root(ReferenceSet& set) {
+  const auto is_static = [&](const Reference& reference) {
+    return context_.meshes[reference.mesh].is_static();
+  };
+  const auto moving = std::partition(set.references.begin(), set.references.end(), is_static);
+  const auto count = static_cast<std::size_t>(moving - set.references.begin());
+  if (count == 0 || count == set.size()) return build_node(set, 0);
+  ReferenceSet sides[2];
+  sides[0].references = set.references.first(count);
+  sides[1].references = set.references.subspan(count);
+  for (ReferenceSet& side : sides) {
+    side.range = set.range;
+    side.update_bounds();
+  }
+  return build_children(set.range, sides[0], sides[1], 1);
 }
 
 ReferenceSet BinaryTree::make_references(TemporaryArray<Reference>& storage) {
@@ -176,14 +193,19 @@ BinaryNode* BinaryTree::split_in_time(const ReferenceSet& set, const ClosedTimeR
 }
 
 BinaryNode* BinaryTree::split_in_space(ReferenceSet& set, std::size_t depth, const ObjectSplit& split) {
-  std::pair<ReferenceSet, ReferenceSet> sides = apply_object_split(set, split);
+  const std::pair<ReferenceSet, ReferenceSet> sides = apply_object_split(set, split);
+  return build_children(set.range, sides.first, sides.second, depth + 1);
+}
+
+BinaryNode* BinaryTree::build_children(const ClosedTimeRange& range, const ReferenceSet& left_set,
+                                       const ReferenceSet& right_set, std::size_t depth) {
   BinaryNode* left = nullptr;
   BinaryNode* right = nullptr;
   invoke_both(
-      set.size() >= kParallelSet, [&] { left = build_node(sides.first, depth + 1); },
-      [&] { right = build_node(sides.second, depth + 1); });
+      left_set.size() + right_set.size() >= kParallelSet, [&] { left = build_node(left_set, depth); },
+      [&] { right = build_node(right_set, depth); });
   if (left == nullptr || right == nullptr) throw BuildCancelled();  // tasks were skipped
-  return make_inner(set.range, left, right);
+  return make_inner(range, left, right);
 }
 
 BinaryNode* BinaryTree::make_leaf(const ReferenceSet& set, const BinaryLeaf& packed) {

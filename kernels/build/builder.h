@@ -28,7 +28,12 @@ class BinaryTree {
 
  private:
   ReferenceSet make_references(TemporaryArray<Reference>& storage);
+  /// Static meshes and moving ones go to different sides of the root: what stands still is mostly large, and
+  /// would stretch the boxes of what moves.
+  BinaryNode* build_root(ReferenceSet& set);
   BinaryNode* build_node(ReferenceSet set, std::size_t depth);
+  BinaryNode* build_children(const ClosedTimeRange& range, const ReferenceSet& left_set,
+                             const ReferenceSet& right_set, std::size_t depth);
   BinaryNode* make_leaf(const ReferenceSet& set, const BinaryLeaf& packed);
   BinaryNode* make_inner(const ClosedTimeRange& range, BinaryNode* left, BinaryNode* right);
   BinaryNode* split_in_time(const ReferenceSet& set, const ClosedTimeRange (&halves)[2], std::size_t depth);

@@ -17,8 +17,8 @@ struct TemporalSplit {
 };
 
 /// The split at the step boundary nearest to the centre of the range, on the finest grid among the set's
-/// meshes; none where that one has no step inside. Sets of more than 64 are judged by an evenly spaced sample of
-/// their references.
+/// meshes; none where that one has no step inside. Sets of more than 64 are judged by an evenly spaced sample
+/// of their references.
 std::optional<TemporalSplit> find_temporal_split(const BuildContext& context, const ReferenceSet& set);
 
 /// References of `set` made anew for `range`, those not alive in it dropped; into `storage`, which holds

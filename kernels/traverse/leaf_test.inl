@@ -83,8 +83,8 @@ inline bool decide(const TraversalRay& ray, const LeafHeader& leaf, const Sheare
   const double det = wa + wb + wc;
   if (det == 0.0) return false;
   const double inverse = 1.0 / det;
-  const double z = (wa * s.axis[2][a] + wb * s.axis[2][b] + wc * s.axis[2][c]) * inverse;
-  t = static_cast<float>(z * ray.inverse_z);
+  const double z = wa * s.axis[2][a] + wb * s.axis[2][b] + wc * s.axis[2][c];
+  t = static_cast<float>(z / (det * ray.direction_z));
   if (!is_finite(t)) return false;
   u = static_cast<float>(wb * inverse);
   v = static_cast<float>(wc * inverse);

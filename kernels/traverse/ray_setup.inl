@@ -11,7 +11,7 @@ struct TraversalRay {
   std::size_t far_plane[3];
   int kx, ky, kz;  ///< kz: the axis of the largest direction component (Woop, Benthin, Wald 2013)
   float shear_x, shear_y;
-  double inverse_z;  ///< 1 / direction[kz]
+  double direction_z;  ///< direction[kz]
   float time;
   float tnear, tfar;    ///< of the query, tfar that of the closest hit so far
   float s_near, s_far;  ///< the same for boxes
@@ -51,24 +51,25 @@ inline void update_s_far(TraversalRay& r) {
 inline bool setup_ray(const StructureView& structure, const Ray& ray, TraversalRay& r) {
   const float o[3] = {ray.origin.x, ray.origin.y, ray.origin.z};
   const float d[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
-  for (int i = 0; i < 3; ++i) {
-    if (!is_finite(o[i]) || !is_finite(d[i])) return false;
-  }
+  // Zero unless something is infinite or not a number.
+  const float none = o[0] * 0.0f + o[1] * 0.0f + o[2] * 0.0f + d[0] * 0.0f + d[1] * 0.0f + d[2] * 0.0f;
+  if (!(none == 0.0f)) return false;
   if (!(ray.time >= structure.time_begin && ray.time <= structure.time_last)) return false;
   if (!(ray.tnear <= ray.tfar)) return false;  // also where either is NaN
 
-  int kz = std::fabs(d[0]) > std::fabs(d[1]) ? 0 : 1;
-  if (std::fabs(d[2]) >= std::fabs(d[kz])) kz = 2;
-  const float scale = std::fabs(d[kz]);
+  // Selected without branches, which random directions would mispredict.
+  const float x = std::fabs(d[0]), y = std::fabs(d[1]), z = std::fabs(d[2]);
+  const float larger = x > y ? x : y;
+  const int kz = z >= larger ? 2 : static_cast<int>(x <= y);
+  const float scale = z >= larger ? z : larger;
   if (!(scale > 0.0f)) return false;
-  int kx = kz == 2 ? 0 : kz + 1;
-  int ky = kx == 2 ? 0 : kx + 1;
-  r.kx = kx;
-  r.ky = ky;
+  constexpr int kNext[] = {1, 2, 0, 1};
+  r.kx = kNext[kz];
+  r.ky = kNext[kz + 1];
   r.kz = kz;
-  r.shear_x = d[kx] / d[kz];
-  r.shear_y = d[ky] / d[kz];
-  r.inverse_z = 1.0 / static_cast<double>(d[kz]);
+  r.direction_z = d[kz];
+  r.shear_x = d[r.kx] / d[kz];
+  r.shear_y = d[r.ky] / d[kz];
 
   const float slack = ray_slack(structure, o);
   // A power of two keeps ratios of tiny directions from underflowing.
@@ -77,16 +78,16 @@ inline bool setup_ray(const StructureView& structure, const Ray& ray, TraversalR
       scale * unit * 1e-18f;  // keeps the inverse finite: the slack covers the ray's deviation
   for (int i = 0; i < 3; ++i) {
     r.origin[i] = o[i];
-    const bool negative = d[i] < 0.0f;
     const float component = std::fabs(d[i]) * unit;
     const float magnitude = component > least ? component : least;
-    r.inverse[i] = (negative ? -unit : unit) * scale / magnitude;
+    r.inverse[i] = std::copysign(unit * scale / magnitude, d[i]);
     const float slack_i = slack + 0x1p-22f * std::fabs(o[i]);  // survives the rounding of the sum
-    r.near_origin[i] = negative ? o[i] - slack_i : o[i] + slack_i;
-    r.far_origin[i] = negative ? o[i] + slack_i : o[i] - slack_i;
+    r.near_origin[i] = o[i] + std::copysign(slack_i, d[i]);
+    r.far_origin[i] = o[i] - std::copysign(slack_i, d[i]);
     const auto axis = static_cast<std::size_t>(i);
-    r.near_plane[i] = negative ? axis + 3 : axis;
-    r.far_plane[i] = negative ? axis : axis + 3;
+    const std::size_t upper = std::signbit(d[i]) ? 3 : 0;
+    r.near_plane[i] = axis + upper;
+    r.far_plane[i] = axis + 3 - upper;
   }
   r.time = ray.time;
   r.mask = ray.mask;

@@ -3,9 +3,9 @@
 #include <cstring>
 #include <limits>
 
-#include "brute_force.h"
 #include "stbvh/structure.h"
 #include "test_meshes.h"
+#include "unculled.h"
 
 namespace stbvh {
 namespace {
@@ -38,14 +38,14 @@ class TraversalOnIsa : public testing::TestWithParam<Isa> {};
 INSTANTIATE_TEST_SUITE_P(Isas, TraversalOnIsa, testing::ValuesIn(available_isas()),
                          [](const auto& param_info) { return std::string(isa_name(param_info.param)); });
 
-TEST_P(TraversalOnIsa, FindsWhatBruteForceAccepts) {
+TEST_P(TraversalOnIsa, FindsWhatTheTriangleTestAccepts) {
   std::vector<TestMesh> meshes = mixed_meshes();
   const std::vector<MeshView> v = views(meshes);
   for (const std::size_t max_inline_steps : {kMaxSteps, std::size_t{0}, std::size_t{2}}) {
     BuildSettings settings;
     settings.max_inline_steps = max_inline_steps;
     const auto structure = Structure::build(v, settings);
-    const test::BruteForce brute_force(v, settings);
+    const test::Unculled unculled(v);
     Random random(7);
     int hits = 0;
     for (int i = 0; i < 3000; ++i) {
@@ -55,7 +55,7 @@ TEST_P(TraversalOnIsa, FindsWhatBruteForceAccepts) {
       if (i % 11 == 0) ray.time = static_cast<float>(i % 9) / 8.0f;
       Hit hit;
       const bool found = structure->intersect_on(GetParam(), ray, hit);
-      const std::optional<Hit> expected = brute_force.intersect(GetParam(), ray);
+      const std::optional<Hit> expected = unculled.intersect(GetParam(), ray);
       ASSERT_EQ(found, expected.has_value()) << "ray " << i;
       ASSERT_EQ(structure->occluded_on(GetParam(), ray), found);
       if (!found) continue;
