@@ -2,7 +2,6 @@
 /// to hurt, with and without flush-to-zero, on every instruction set, in inline and indexed leaves.
 #include <gtest/gtest.h>
 #include <tbb/task_group.h>
-#include <xmmintrin.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <span>
 #include <string>
 
+#include "flush_to_zero.h"
 #include "hard_meshes.h"
 #include "stbvh/structure.h"
 #include "test_meshes.h"
@@ -19,24 +19,13 @@ namespace stbvh {
 namespace {
 
 using test::flat;
+using test::FlushToZero;
 using test::needles;
 using test::ordinary;
 using test::Random;
 using test::TestMesh;
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
-
-/// Sets flush-to-zero and denormals-are-zero while it lives.
-class FlushToZero {
- public:
-  explicit FlushToZero(bool on) : before_(_mm_getcsr()) {
-    if (on) _mm_setcsr(before_ | 0x8040u);
-  }
-  ~FlushToZero() { _mm_setcsr(before_); }
-
- private:
-  unsigned before_;
-};
 
 std::vector<MeshView> views(std::vector<TestMesh>& meshes) {
   std::vector<MeshView> v;

@@ -1,26 +1,15 @@
 #include <gtest/gtest.h>
-#include <xmmintrin.h>
 
+#include "flush_to_zero.h"
 #include "stbvh/structure.h"
 #include "test_meshes.h"
 
 namespace stbvh {
 namespace {
 
+using test::FlushToZero;
 using test::Random;
 using test::TestMesh;
-
-/// Sets flush-to-zero and denormals-are-zero while it lives, as Embree asks applications to.
-class FlushToZero {
- public:
-  explicit FlushToZero(bool on) : before_(_mm_getcsr()) {
-    if (on) _mm_setcsr(before_ | 0x8040u);
-  }
-  ~FlushToZero() { _mm_setcsr(before_); }
-
- private:
-  unsigned before_;
-};
 
 /// Position of a vertex at `time`, close enough to aim at.
 Vec3f at(const TestMesh& mesh, std::uint32_t vertex, float time) {
