@@ -7,7 +7,7 @@
 namespace stbvh::plugin {
 namespace {
 
-Ray load_ray(RTCRayN* rays, unsigned size, unsigned i) {
+inline Ray load_ray(RTCRayN* rays, unsigned size, unsigned i) {
   Ray ray;
   ray.origin = {RTCRayN_org_x(rays, size, i), RTCRayN_org_y(rays, size, i), RTCRayN_org_z(rays, size, i)};
   ray.tnear = RTCRayN_tnear(rays, size, i);
@@ -18,7 +18,7 @@ Ray load_ray(RTCRayN* rays, unsigned size, unsigned i) {
   return ray;
 }
 
-void intersect_lane(const Lane& lane) {
+inline void intersect_lane(const Lane& lane) {
   const Ray ray = load_ray(lane.rays, lane.size, lane.index);
   if (lane.published->has_intersect_filters || lane.context->filter != nullptr) {
     intersect_filtered(lane, ray);
@@ -31,7 +31,7 @@ void intersect_lane(const Lane& lane) {
   store_hit(hits, lane.size, lane.index, hit, geom_id_of(lane, hit), lane.context);
 }
 
-void occluded_lane(const Lane& lane) {
+inline void occluded_lane(const Lane& lane) {
   const Ray ray = load_ray(lane.rays, lane.size, lane.index);
   const bool filtered = lane.published->has_occluded_filters || lane.context->filter != nullptr;
   const bool occluded = filtered ? occluded_filtered(lane, ray) : lane.published->structure->occluded(ray);
@@ -59,6 +59,12 @@ void intersect_callback(const RTCIntersectFunctionNArguments* arguments) {
   const auto* const published = static_cast<const Published*>(arguments->geometryUserPtr);
   if (published->structure == nullptr) return;
   RTCRayN* const rays = RTCRayHitN_RayN(arguments->rayhit, arguments->N);
+  if (arguments->N == 1) {  // most rays: offsets known when this is compiled
+    if (arguments->valid[0] != 0) {
+      intersect_lane({published, arguments->context, rays, 1, 0, arguments->geomID});
+    }
+    return;
+  }
   for (unsigned i = 0; i < arguments->N; ++i) {
     if (arguments->valid[i] == 0) continue;
     intersect_lane({published, arguments->context, rays, arguments->N, i, arguments->geomID});
@@ -68,6 +74,12 @@ void intersect_callback(const RTCIntersectFunctionNArguments* arguments) {
 void occluded_callback(const RTCOccludedFunctionNArguments* arguments) {
   const auto* const published = static_cast<const Published*>(arguments->geometryUserPtr);
   if (published->structure == nullptr) return;
+  if (arguments->N == 1) {
+    if (arguments->valid[0] != 0) {
+      occluded_lane({published, arguments->context, arguments->ray, 1, 0, arguments->geomID});
+    }
+    return;
+  }
   for (unsigned i = 0; i < arguments->N; ++i) {
     if (arguments->valid[i] == 0) continue;
     occluded_lane({published, arguments->context, arguments->ray, arguments->N, i, arguments->geomID});

@@ -75,6 +75,14 @@ void clear_planes(float (*planes)[kWidth]) {
   }
 }
 
+/// The order in which occlusion rays try the children they meet: what is large and decides soon comes first.
+bool is_tried_before(const BinaryNode* a, const BinaryNode* b) {
+  const auto promise = [](const BinaryNode* node) {
+    return node->bounds.centre_area() / (1.0f + std::log2(static_cast<float>(node->subtree_leaves)));
+  };
+  return promise(a) > promise(b);
+}
+
 using Children = std::span<BinaryNode* const>;
 
 void write_node(const BinaryNode& node, LinkKind kind, Children children, const Link* links, std::byte* out) {
@@ -187,10 +195,7 @@ Link Encoder::encode_node(BinaryNode& node, std::byte* data, std::size_t unit) c
   }
   std::array<BinaryNode*, kWidth> children;
   const std::size_t count = wide_children(node, children);
-  // Leaves first, then the smaller subtrees: the order in which occlusion rays try them.
-  std::stable_sort(
-      children.begin(), children.begin() + static_cast<std::ptrdiff_t>(count),
-      [](const BinaryNode* a, const BinaryNode* b) { return a->subtree_leaves < b->subtree_leaves; });
+  std::stable_sort(children.begin(), children.begin() + static_cast<std::ptrdiff_t>(count), is_tried_before);
   const LinkKind kind = node_kind(node, {children.data(), count});
   std::array<std::size_t, kWidth> units;
   std::size_t next = unit + node_units(kind);

@@ -135,9 +135,8 @@ inline StackEntry nearest_child(const ChildHits& hits, const Link* children, Sta
   return nearest;
 }
 
-/// For any hit: the first of the children met, the others pushed, in the encoder's order: leaves first, then
-/// the smaller subtrees. They decide soonest, and sorting by distance would cost more than it saves
-/// (docs/performance.md).
+/// For any hit: the first of the children met, the others pushed, in the encoder's order: what is large and
+/// decides soon comes first. Sorting by distance would cost more than it saves (docs/performance.md).
 inline StackEntry first_child(const ChildHits& hits, const Link* children, StackEntry*& top) {
   unsigned bits = hits.bits;
   while ((bits & (bits - 1)) != 0) {
