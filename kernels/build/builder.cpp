@@ -100,14 +100,8 @@ BinaryNode* BinaryTree::build_root(ReferenceSet& set) {
   const auto moving = std::partition(set.references.begin(), set.references.end(), is_static);
   const auto count = static_cast<std::size_t>(moving - set.references.begin());
   if (count == 0 || count == set.size()) return build_node(set, 0);
-  ReferenceSet sides[2];
-  sides[0].references = set.references.first(count);
-  sides[1].references = set.references.subspan(count);
-  for (ReferenceSet& side : sides) {
-    side.range = set.range;
-    side.update_bounds();
-  }
-  return build_children(set.range, sides[0], sides[1], 1);
+  const auto [still, moves] = set.split_at(count);
+  return build_children(set.range, still, moves, 1);
 }
 
 ReferenceSet BinaryTree::make_references(TemporaryArray<Reference>& storage) {
@@ -193,8 +187,8 @@ BinaryNode* BinaryTree::split_in_time(const ReferenceSet& set, const ClosedTimeR
 }
 
 BinaryNode* BinaryTree::split_in_space(ReferenceSet& set, std::size_t depth, const ObjectSplit& split) {
-  const std::pair<ReferenceSet, ReferenceSet> sides = apply_object_split(set, split);
-  return build_children(set.range, sides.first, sides.second, depth + 1);
+  const auto [left, right] = apply_object_split(set, split);
+  return build_children(set.range, left, right, depth + 1);
 }
 
 BinaryNode* BinaryTree::build_children(const ClosedTimeRange& range, const ReferenceSet& left_set,

@@ -205,19 +205,22 @@ void ReferenceSet::update_bounds() {
       });
 }
 
+std::pair<ReferenceSet, ReferenceSet> ReferenceSet::split_at(std::size_t count) const {
+  ReferenceSet left, right;
+  left.references = references.first(count);
+  right.references = references.subspan(count);
+  left.range = right.range = range;
+  left.update_bounds();
+  right.update_bounds();
+  return {left, right};
+}
+
 ObjectSplit find_object_split(const ReferenceSet& set) {
   return set.size() <= kSweepLimit ? find_swept_split(set) : find_binned_split(set);
 }
 
 std::pair<ReferenceSet, ReferenceSet> apply_object_split(ReferenceSet& set, const ObjectSplit& split) {
-  const std::size_t left_count = partition_references(set, split);
-  ReferenceSet left, right;
-  left.references = set.references.first(left_count);
-  right.references = set.references.subspan(left_count);
-  left.range = right.range = set.range;
-  left.update_bounds();
-  right.update_bounds();
-  return {left, right};
+  return set.split_at(partition_references(set, split));
 }
 
 }  // namespace stbvh

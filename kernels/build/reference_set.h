@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 
 #include "build/reference.h"
 
@@ -26,6 +27,8 @@ struct ReferenceSet {
   }
   /// Makes the bounds those of all references.
   void update_bounds();
+  /// The first `count` references and the others, over the same range, with their bounds.
+  std::pair<ReferenceSet, ReferenceSet> split_at(std::size_t count) const;
 };
 
 }  // namespace stbvh
