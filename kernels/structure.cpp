@@ -94,7 +94,10 @@ class StructureImpl final : public Structure {
       lower = min(lower, min(child.bounds.lower_begin, child.bounds.lower_end));
       upper = max(upper, max(child.bounds.upper_begin, child.bounds.upper_end));
     }
-    view_.bounds = box(lower, upper);
+    for (int axis = 0; axis < 3; ++axis) {
+      view_.lower[axis] = lower[axis];
+      view_.upper[axis] = upper[axis];
+    }
     make_statistics(context, tree, encoder);
   }
 

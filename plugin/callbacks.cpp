@@ -1,5 +1,6 @@
 #include "plugin/callbacks.h"
 
+#include <cstddef>
 #include <limits>
 
 #include "plugin/filters.h"
@@ -7,19 +8,31 @@
 namespace stbvh::plugin {
 namespace {
 
-inline Ray load_ray(RTCRayN* rays, unsigned size, unsigned i) {
-  Ray ray;
-  ray.origin = {RTCRayN_org_x(rays, size, i), RTCRayN_org_y(rays, size, i), RTCRayN_org_z(rays, size, i)};
-  ray.tnear = RTCRayN_tnear(rays, size, i);
-  ray.direction = {RTCRayN_dir_x(rays, size, i), RTCRayN_dir_y(rays, size, i), RTCRayN_dir_z(rays, size, i)};
-  ray.tfar = RTCRayN_tfar(rays, size, i);
-  ray.time = RTCRayN_time(rays, size, i);
-  ray.mask = RTCRayN_mask(rays, size, i);
-  return ray;
+static_assert(offsetof(Ray, tnear) == offsetof(RTCRay, tnear) &&
+              offsetof(Ray, direction) == offsetof(RTCRay, dir_x) &&
+              offsetof(Ray, time) == offsetof(RTCRay, time) && offsetof(Ray, tfar) == offsetof(RTCRay, tfar) &&
+              offsetof(Ray, mask) == offsetof(RTCRay, mask));
+
+/// A lane's ray as the kernels take it. Of a packet of one it is the application's own memory: a copy would
+/// cost as much as a node.
+inline const Ray& ray_of(const Lane& lane, Ray& copy) {
+  if (lane.size == 1) return *reinterpret_cast<const Ray*>(lane.rays);
+  RTCRayN* const rays = lane.rays;
+  const unsigned size = lane.size;
+  const unsigned i = lane.index;
+  copy.origin = {RTCRayN_org_x(rays, size, i), RTCRayN_org_y(rays, size, i), RTCRayN_org_z(rays, size, i)};
+  copy.tnear = RTCRayN_tnear(rays, size, i);
+  copy.direction = {RTCRayN_dir_x(rays, size, i), RTCRayN_dir_y(rays, size, i),
+                    RTCRayN_dir_z(rays, size, i)};
+  copy.time = RTCRayN_time(rays, size, i);
+  copy.tfar = RTCRayN_tfar(rays, size, i);
+  copy.mask = RTCRayN_mask(rays, size, i);
+  return copy;
 }
 
 inline void intersect_lane(const Lane& lane) {
-  const Ray ray = load_ray(lane.rays, lane.size, lane.index);
+  Ray copy;
+  const Ray& ray = ray_of(lane, copy);
   if (lane.published->has_intersect_filters || lane.context->filter != nullptr) {
     intersect_filtered(lane, ray);
     return;
@@ -32,7 +45,8 @@ inline void intersect_lane(const Lane& lane) {
 }
 
 inline void occluded_lane(const Lane& lane) {
-  const Ray ray = load_ray(lane.rays, lane.size, lane.index);
+  Ray copy;
+  const Ray& ray = ray_of(lane, copy);
   const bool filtered = lane.published->has_occluded_filters || lane.context->filter != nullptr;
   const bool occluded = filtered ? occluded_filtered(lane, ray) : lane.published->structure->occluded(ray);
   if (occluded) {

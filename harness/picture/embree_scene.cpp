@@ -15,8 +15,8 @@ Ray make_ray(Vec3f origin, Vec3f direction, float distance, float time) {
   return {.origin = origin,
           .tnear = 0.0f,
           .direction = direction,
-          .tfar = distance,
           .time = time,
+          .tfar = distance,
           .mask = 0xFFFFFFFFu};
 }
 

@@ -11,8 +11,8 @@ Ray make_ray(Vec3 origin, Vec3 direction, double tfar, float time) {
   return {.origin = to_float(origin),
           .tnear = 0.0f,
           .direction = to_float(direction),
-          .tfar = static_cast<float>(tfar),
           .time = time,
+          .tfar = static_cast<float>(tfar),
           .mask = 0xFFFFFFFFu};
 }
 

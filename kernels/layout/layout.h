@@ -96,8 +96,8 @@ struct StructureView {
   const MeshRecord* meshes;
   Link root;
   bool empty;
-  float time_begin, time_last;  ///< times at which anything is alive, within [0, 1]
-  Box3f bounds;                 ///< of everything at all times
+  float time_begin, time_last;           ///< times at which anything is alive, within [0, 1]
+  alignas(16) float lower[4], upper[4];  ///< x, y, z of the bounds of everything at all times, and a zero
 };
 
 }  // namespace stbvh

@@ -39,6 +39,9 @@ inline F32x8 multiply_add(F32x8 a, F32x8 b, F32x8 c) {
 inline Mask8 less_equal(F32x8 a, F32x8 b) {
   return {static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ)))};
 }
+inline Mask8 less(F32x8 a, F32x8 b) {
+  return {static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a.v, b.v, _CMP_LT_OQ)))};
+}
 /// Lanes where min < 0 < max; false where either is NaN.
 inline Mask8 straddles_zero(F32x8 lowest, F32x8 highest) {
   const __m256 zero = _mm256_setzero_ps();

@@ -52,6 +52,9 @@ inline F32x8 multiply_add(const F32x8& a, const F32x8& b, const F32x8& c) {
 inline Mask8 less_equal(const F32x8& a, const F32x8& b) {
   return each_flag([&](int i) { return a.v[i] <= b.v[i]; });
 }
+inline Mask8 less(const F32x8& a, const F32x8& b) {
+  return each_flag([&](int i) { return a.v[i] < b.v[i]; });
+}
 inline Mask8 straddles_zero(const F32x8& lowest, const F32x8& highest) {
   return each_flag([&](int i) { return lowest.v[i] < 0.0f && highest.v[i] > 0.0f; });
 }

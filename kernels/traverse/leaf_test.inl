@@ -103,9 +103,12 @@ inline Vec3f triangle_normal(const TraversalRay& ray, const LeafHeader& leaf, co
   return {e1[1] * e2[2] - e1[2] * e2[1], e1[2] * e2[0] - e1[0] * e2[2], e1[0] * e2[1] - e1[1] * e2[0]};
 }
 
-/// Bits of the triangles that may be hit; `s` is filled if there are any.
+/// Bits of the triangles that may be hit; `s` is filled if there are any. With kAnyHit, also whether one of
+/// them is hit for certain: its edge functions have one sign, none is zero, and all its vertices are so far
+/// along the ray that the hit is in the ray's range, whatever is rounded.
+template <bool kAnyHit>
 inline unsigned candidates(const TraversalRay& ray, const LeafHeader& leaf, const LeafVertices& p,
-                           ShearedVertices& s) {
+                           ShearedVertices& s, bool& certain) {
   const F32x8 x = p.x - splat(ray.shear_x) * p.z;
   const F32x8 y = p.y - splat(ray.shear_y) * p.z;
   const Slots8 a = load_slots(leaf.corners[0]);
@@ -119,8 +122,18 @@ inline unsigned candidates(const TraversalRay& ray, const LeafHeader& leaf, cons
   const F32x8 wc = bx * ay - by * ax;
   const F32x8 lowest = min(min(wa, wb), wc);
   const F32x8 highest = max(max(wa, wb), wc);
-  const unsigned bits = ~straddles_zero(lowest, highest).bits & ((1u << leaf.triangle_count) - 1);
+  const unsigned triangles = (1u << leaf.triangle_count) - 1;
+  const unsigned bits = ~straddles_zero(lowest, highest).bits & triangles;
   if (bits != 0) {
+    if (kAnyHit) {
+      const F32x8 distance = p.z * splat(ray.sign_z);
+      const F32x8 da = permute(distance, a), db = permute(distance, b), dc = permute(distance, c);
+      const unsigned inside = less(splat(ray.certain_near), min(min(da, db), dc)).bits &
+                              less(max(max(da, db), dc), splat(ray.certain_far)).bits;
+      const F32x8 zero = splat(0.0f);
+      certain = ((less(zero, lowest).bits | less(highest, zero).bits) & inside & bits) != 0;
+      if (certain) return bits;
+    }
     store(s.x, x);
     store(s.y, y);
     store(s.axis[0], p.x);

@@ -1,14 +1,34 @@
 // What a traversal precomputes for a ray. Part of the traversal sources; see traverse_scalar.cpp.
 
+/// Where a node keeps its near and far planes of each axis for rays of one octant: bytes from its start.
+struct PlaneOffsets {
+  std::uint32_t near[3], far[3];
+};
+
+constexpr PlaneOffsets plane_offsets(unsigned negative) {
+  constexpr auto kPlaneBytes = static_cast<std::uint32_t>(kWidth * sizeof(float));
+  PlaneOffsets offsets{};
+  for (unsigned i = 0; i < 3; ++i) {
+    const bool reversed = (negative >> i & 1u) != 0;
+    offsets.near[i] = kPlaneBytes * (reversed ? kUpperX + i : kLowerX + i);
+    offsets.far[i] = kPlaneBytes * (reversed ? kLowerX + i : kUpperX + i);
+  }
+  return offsets;
+}
+
+/// By the signs of the direction: bit i is set where component i is negative.
+constexpr PlaneOffsets kPlaneOffsets[] = {plane_offsets(0), plane_offsets(1), plane_offsets(2),
+                                          plane_offsets(3), plane_offsets(4), plane_offsets(5),
+                                          plane_offsets(6), plane_offsets(7)};
+
 /// Directions are divided by their largest component, so that neither their length nor a vanishing component
 /// overflows: boxes are met at s = t * |direction[kz]|.
 struct TraversalRay {
-  float origin[3];
-  float near_origin[3];  ///< moved outwards for the near planes, see ray_slack()
-  float far_origin[3];
-  float inverse[3];           ///< 1 / (direction[i] / |direction[kz]|), finite
-  std::size_t near_plane[3];  ///< index of the near plane of each axis
-  std::size_t far_plane[3];
+  F32x8 near_origin[3];  ///< in all lanes; moved outwards for the near planes, see ray_slack()
+  F32x8 far_origin[3];
+  F32x8 inverse[3];             ///< in all lanes; 1 / (direction[i] / |direction[kz]|), finite
+  const PlaneOffsets* planes;   ///< which planes are near, and which far
+  alignas(16) float origin[4];  ///< x, y, z; the fourth is not used
   int kx, ky, kz;  ///< kz: the axis of the largest direction component (Woop, Benthin, Wald 2013)
   float shear_x, shear_y;
   double direction_z;  ///< direction[kz]
@@ -16,79 +36,110 @@ struct TraversalRay {
   float tnear, tfar;    ///< of the query, tfar that of the closest hit so far
   float s_near, s_far;  ///< the same for boxes
   float s_scale;        ///< |direction[kz]|
+  float sign_z;         ///< of direction[kz]
+  /// Of any hit: what lies this far along the ray, on the axis kz, is hit within the range for certain.
+  float certain_near, certain_far;
   std::uint32_t mask;
 };
 
+constexpr float kLargest = std::numeric_limits<float>::max();
+
 inline bool is_finite(float x) {
-  return std::fabs(x) <= 3.402823466e38f;
-}
-
-inline float largest_distance(const Box3f& box, const float (&o)[3]) {
-  const float lower[3] = {box.lower.x, box.lower.y, box.lower.z};
-  const float upper[3] = {box.upper.x, box.upper.y, box.upper.z};
-  float d = 0.0f;
-  for (int i = 0; i < 3; ++i) {
-    const float a = std::fabs(lower[i] - o[i]);
-    const float b = std::fabs(upper[i] - o[i]);
-    d = d > a ? d : a;
-    d = d > b ? d : b;
-  }
-  return d;
-}
-
-/// How far the triangle test may see a vertex from where it is: its translation, interpolation and shear each
-/// round, relative to the distance of the vertex, which is at most that of the farthest corner of the scene.
-/// Adds up to 10 * 2^-24; rounding of the slab distances takes 4 more (docs/algorithm.md).
-inline float ray_slack(const StructureView& structure, const float (&o)[3]) {
-  return 0x1p-20f * largest_distance(structure.bounds, o);
+  return std::fabs(x) <= kLargest;
 }
 
 inline void update_s_far(TraversalRay& r) {
   r.s_far = r.tfar * r.s_scale * (1.0f + 0x1p-21f);
 }
 
+/// x, y, z, and a lane that carries nothing. A ray's set-up is a third of the time of the cheapest rays.
+using Axes = __m128;
+
+/// Largest of x, y, z, in these three lanes.
+inline Axes largest_of(Axes a) {
+  const Axes yzx = _mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 0, 2, 1));
+  const Axes zxy = _mm_shuffle_ps(a, a, _MM_SHUFFLE(3, 1, 0, 2));
+  return _mm_max_ps(_mm_max_ps(a, yzx), zxy);
+}
+
+inline unsigned bits_of(Axes mask) {
+  return static_cast<unsigned>(_mm_movemask_ps(mask)) & 7u;
+}
+
+inline void splat_axes(F32x8 (&out)[3], Axes a) {
+  alignas(16) float axes[4];
+  _mm_store_ps(axes, a);
+  for (int i = 0; i < 3; ++i) out[i] = splat(axes[i]);
+}
+
+/// Largest distance along an axis from the ray's origin to anything in the scene.
+inline Axes largest_distance(const StructureView& structure, Axes origin) {
+  const Axes sign = _mm_set1_ps(-0.0f);
+  const Axes to_lower = _mm_andnot_ps(sign, _mm_sub_ps(_mm_load_ps(structure.lower), origin));
+  const Axes to_upper = _mm_andnot_ps(sign, _mm_sub_ps(_mm_load_ps(structure.upper), origin));
+  return largest_of(_mm_max_ps(to_lower, to_upper));
+}
+
+/// How far the triangle test may see a vertex from where it is: its translation, interpolation and shear each
+/// round, relative to the distance of the vertex. Adds up to 10 * 2^-24; rounding of the slab distances takes
+/// 4 more (docs/algorithm.md). The second term survives the rounding of the sum with the origin.
+inline Axes ray_slack(Axes origin, Axes distance) {
+  const Axes size = _mm_andnot_ps(_mm_set1_ps(-0.0f), origin);
+  return _mm_add_ps(_mm_mul_ps(_mm_set1_ps(0x1p-20f), distance), _mm_mul_ps(_mm_set1_ps(0x1p-22f), size));
+}
+
+/// Nothing is certain where distances could overflow or lose precision.
+inline void set_certain_range(TraversalRay& r, float distance) {
+  constexpr float kLeast = 0x1p-80f;  // its products stay normal numbers: others are slow
+  const float near = std::fabs(r.tnear) > kLeast ? std::fabs(r.tnear) : kLeast;
+  const float s = near * r.s_scale * (1.0f + 0x1p-20f);
+  r.certain_near = s > kLeast ? s : kLeast;
+  const float far = r.tfar < kLargest ? r.tfar : kLargest;
+  r.certain_far = distance < 1e37f ? far * r.s_scale * (1.0f - 0x1p-20f) : 0.0f;
+  r.sign_z = std::copysign(1.0f, static_cast<float>(r.direction_z));
+}
+
 /// False for a ray that hits nothing: not finite, of zero direction, or at a time outside the structure's.
 inline bool setup_ray(const StructureView& structure, const Ray& ray, TraversalRay& r) {
-  const float o[3] = {ray.origin.x, ray.origin.y, ray.origin.z};
-  const float d[3] = {ray.direction.x, ray.direction.y, ray.direction.z};
+  // The fourth lanes hold what follows in the ray.
+  const Axes origin = _mm_loadu_ps(&ray.origin.x);
+  const Axes direction = _mm_loadu_ps(&ray.direction.x);
+  const Axes zero = _mm_setzero_ps();
   // Zero unless something is infinite or not a number.
-  const float none = o[0] * 0.0f + o[1] * 0.0f + o[2] * 0.0f + d[0] * 0.0f + d[1] * 0.0f + d[2] * 0.0f;
-  if (!(none == 0.0f)) return false;
+  const Axes none = _mm_add_ps(_mm_mul_ps(origin, zero), _mm_mul_ps(direction, zero));
+  if (bits_of(_mm_cmpeq_ps(none, zero)) != 7) return false;
   if (!(ray.time >= structure.time_begin && ray.time <= structure.time_last)) return false;
   if (!(ray.tnear <= ray.tfar)) return false;  // also where either is NaN
 
-  // Selected without branches, which random directions would mispredict.
-  const float x = std::fabs(d[0]), y = std::fabs(d[1]), z = std::fabs(d[2]);
-  const float larger = x > y ? x : y;
-  const int kz = z >= larger ? 2 : static_cast<int>(x <= y);
-  const float scale = z >= larger ? z : larger;
+  const Axes sign_bit = _mm_set1_ps(-0.0f);
+  const Axes size = _mm_andnot_ps(sign_bit, direction);
+  const Axes largest = largest_of(size);
+  const float scale = _mm_cvtss_f32(largest);
   if (!(scale > 0.0f)) return false;
-  constexpr int kNext[] = {1, 2, 0, 1};
-  r.kx = kNext[kz];
-  r.ky = kNext[kz + 1];
-  r.kz = kz;
-  r.direction_z = d[kz];
-  r.shear_x = d[r.kx] / d[kz];
-  r.shear_y = d[r.ky] / d[kz];
+  // The last of the largest, without branches, which random directions would mispredict.
+  const unsigned largest_bits = bits_of(_mm_cmpeq_ps(size, largest));
+  r.kz = static_cast<int>((0x22221100u >> (4 * largest_bits)) & 3u);
+  r.kx = (0x021 >> (4 * r.kz)) & 3;
+  r.ky = (0x102 >> (4 * r.kz)) & 3;
+  alignas(16) float d[4];
+  _mm_store_ps(d, direction);
+  r.direction_z = d[r.kz];
+  r.shear_x = d[r.kx] / d[r.kz];
+  r.shear_y = d[r.ky] / d[r.kz];
 
-  const float slack = ray_slack(structure, o);
   // A power of two keeps ratios of tiny directions from underflowing.
   const float unit = scale < 0x1p-40f ? 0x1p80f : 1.0f;
-  const float least =
-      scale * unit * 1e-18f;  // keeps the inverse finite: the slack covers the ray's deviation
-  for (int i = 0; i < 3; ++i) {
-    r.origin[i] = o[i];
-    const float component = std::fabs(d[i]) * unit;
-    const float magnitude = component > least ? component : least;
-    r.inverse[i] = std::copysign(unit * scale / magnitude, d[i]);
-    const float slack_i = slack + 0x1p-22f * std::fabs(o[i]);  // survives the rounding of the sum
-    r.near_origin[i] = o[i] + std::copysign(slack_i, d[i]);
-    r.far_origin[i] = o[i] - std::copysign(slack_i, d[i]);
-    const auto axis = static_cast<std::size_t>(i);
-    const std::size_t upper = std::signbit(d[i]) ? 3 : 0;
-    r.near_plane[i] = axis + upper;
-    r.far_plane[i] = axis + 3 - upper;
-  }
+  // Keeps the inverse finite: the slack covers the ray's deviation.
+  const float least = scale * unit * 1e-18f;
+  const Axes sign = _mm_and_ps(sign_bit, direction);
+  const Axes magnitude = _mm_max_ps(_mm_mul_ps(size, _mm_set1_ps(unit)), _mm_set1_ps(least));
+  splat_axes(r.inverse, _mm_or_ps(sign, _mm_div_ps(_mm_set1_ps(unit * scale), magnitude)));
+  const Axes distance = largest_distance(structure, origin);
+  const Axes backwards = _mm_or_ps(sign, ray_slack(origin, distance));
+  _mm_store_ps(r.origin, origin);
+  splat_axes(r.near_origin, _mm_add_ps(origin, backwards));
+  splat_axes(r.far_origin, _mm_sub_ps(origin, backwards));
+  r.planes = &kPlaneOffsets[bits_of(direction)];
   r.time = ray.time;
   r.mask = ray.mask;
   r.tnear = ray.tnear;
@@ -97,5 +148,6 @@ inline bool setup_ray(const StructureView& structure, const Ray& ray, TraversalR
   r.s_near = ray.tnear * scale * (1.0f - 0x1p-21f);
   if (ray.tnear < 0.0f) r.s_near = ray.tnear * scale * (1.0f + 0x1p-21f);
   update_s_far(r);
+  set_certain_range(r, _mm_cvtss_f32(distance));
   return true;
 }

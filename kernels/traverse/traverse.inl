@@ -1,12 +1,19 @@
 // The traversal: closest hit and any hit, with and without filter and counters. Part of the traversal
 // sources.
 
-/// Each level leaves at most seven siblings behind; the builder keeps trees below 90 levels.
-constexpr std::size_t kStackSize = 7 * 90 + 1;
+/// The builder keeps trees below this many levels.
+constexpr std::size_t kMaxLevels = 90;
 
+/// A child that the closest hit may lie in.
 struct StackEntry {
   Link link;
-  float s;  ///< where the ray enters the box; not used for any hit
+  float s;  ///< where the ray enters the box
+};
+
+/// The children of one node that any-hit traversal has not looked at yet: bits of `children`, at least one.
+struct Siblings {
+  const Link* children;
+  unsigned bits;
 };
 
 struct Query {
@@ -25,34 +32,42 @@ struct ChildHits {
 template <typename PlaneAt>
 inline ChildHits intersect_children(const TraversalRay& ray, const PlaneAt& plane_at) {
   const auto near_at = [&](int i) {
-    return (plane_at(ray.near_plane[i]) - splat(ray.near_origin[i])) * splat(ray.inverse[i]);
+    return (plane_at(ray.planes->near[i]) - ray.near_origin[i]) * ray.inverse[i];
   };
   const auto far_at = [&](int i) {
-    return (plane_at(ray.far_plane[i]) - splat(ray.far_origin[i])) * splat(ray.inverse[i]);
+    return (plane_at(ray.planes->far[i]) - ray.far_origin[i]) * ray.inverse[i];
   };
   const F32x8 entry = max(max(near_at(0), near_at(1)), max(near_at(2), splat(ray.s_near)));
   const F32x8 exit = min(min(far_at(0), far_at(1)), min(far_at(2), splat(ray.s_far)));
   return {entry, less_equal(entry, exit).bits};
 }
 
+inline const float* plane(const void* node, std::uint32_t offset) {
+  return reinterpret_cast<const float*>(static_cast<const std::byte*>(node) + offset);
+}
+
+/// A plane at the time that lies `elapsed` behind the start of its time range.
+inline F32x8 moving_plane(const void* node, std::uint32_t offset, F32x8 elapsed) {
+  const float* begin = plane(node, offset);
+  const float* slope = plane(node, offset) + offsetof(LinearNode, slopes) / sizeof(float);
+  return multiply_add(elapsed, load(slope), load(begin));
+}
+
 inline ChildHits intersect_node(const TraversalRay& ray, const StaticNode& node) {
-  return intersect_children(ray, [&](std::size_t plane) { return load(node.planes[plane]); });
+  return intersect_children(ray, [&](std::uint32_t offset) { return load(plane(&node, offset)); });
 }
 
 inline ChildHits intersect_node(const TraversalRay& ray, const LinearNode& node) {
   const F32x8 elapsed = splat(ray.time - node.time_begin);
-  return intersect_children(ray, [&](std::size_t plane) {
-    return multiply_add(elapsed, load(node.slopes[plane]), load(node.planes[plane]));
-  });
+  return intersect_children(ray, [&](std::uint32_t offset) { return moving_plane(&node, offset, elapsed); });
 }
 
 inline ChildHits intersect_node(const TraversalRay& ray, const SpatialTemporalNode& node) {
   const F32x8 time = splat(ray.time);
   const F32x8 begin = load(node.time_begin);
   const F32x8 elapsed = time - begin;
-  ChildHits hits = intersect_children(ray, [&](std::size_t plane) {
-    return multiply_add(elapsed, load(node.slopes[plane]), load(node.planes[plane]));
-  });
+  ChildHits hits =
+      intersect_children(ray, [&](std::uint32_t offset) { return moving_plane(&node, offset, elapsed); });
   hits.bits &= less_equal(begin, time).bits & less_equal(time, load(node.time_last)).bits;
   return hits;
 }
@@ -86,7 +101,10 @@ inline bool test_leaf(const StructureView& structure, TraversalRay& ray, const L
     query.counters->triangle_tests += leaf.triangle_count;
   }
   ShearedVertices s;
-  for (unsigned bits = candidates(ray, leaf, load_leaf(ray, leaf, mesh), s); bits != 0; bits &= bits - 1) {
+  bool certain = false;
+  unsigned bits = candidates < kAnyHit && !kFiltered > (ray, leaf, load_leaf(ray, leaf, mesh), s, certain);
+  if (certain) return found = true;
+  for (; bits != 0; bits &= bits - 1) {
     const auto i = static_cast<unsigned>(__builtin_ctz(bits));
     Hit hit;
     if (!decide(ray, leaf, s, i, hit.t, hit.u, hit.v)) continue;
@@ -106,14 +124,15 @@ inline bool test_leaf(const StructureView& structure, TraversalRay& ray, const L
   return false;
 }
 
-/// Traversal waits for memory most of the time: all lines of the node entered are asked for at once, and what
-/// comes after it early. (Worth 5 to 15 % on the built-in scenes; docs/performance.md.)
-inline void prefetch(const std::byte* node_or_leaf) {
-  for (std::size_t line = 0; line < sizeof(LinearNode); line += 64) __builtin_prefetch(node_or_leaf + line);
-}
-
 inline const std::byte* address(const StructureView& structure, Link link) {
   return structure.data + std::size_t{link & kLinkOffsetMask} * kUnitBytes;
+}
+
+/// Traversal waits for memory most of the time. All lines of a node are asked for at once, as soon as it is
+/// known that it comes next, or after next; once each: instructions count too (docs/performance.md).
+inline void prefetch(const StructureView& structure, Link link) {
+  const std::byte* data = address(structure, link);
+  for (std::size_t line = 0; line < sizeof(LinearNode); line += 64) __builtin_prefetch(data + line);
 }
 
 /// For closest hits: the nearest of the children met; the others are pushed, the nearer the higher.
@@ -135,23 +154,21 @@ inline StackEntry nearest_child(const ChildHits& hits, const Link* children, Sta
   return nearest;
 }
 
-/// For any hit: the first of the children met, the others pushed, in the encoder's order: what is large and
-/// decides soon comes first. Sorting by distance would cost more than it saves (docs/performance.md).
-inline StackEntry first_child(const ChildHits& hits, const Link* children, StackEntry*& top) {
-  unsigned bits = hits.bits;
-  while ((bits & (bits - 1)) != 0) {
-    const auto last = 31u - static_cast<unsigned>(__builtin_clz(bits));
-    *top++ = {children[last], 0.0f};
-    bits ^= 1u << last;
-  }
-  return {children[__builtin_ctz(bits)], 0.0f};
+inline Link first_of(const Siblings& siblings) {
+  return siblings.children[__builtin_ctz(siblings.bits)];
 }
 
-template <bool kAnyHit, bool kFiltered, bool kCounted>
-bool traverse(const StructureView& structure, const Query& query) {
+inline Link take_first(Siblings& siblings) {
+  const Link first = first_of(siblings);
+  siblings.bits &= siblings.bits - 1;
+  return first;
+}
+
+template <bool kFiltered, bool kCounted>
+bool find_closest_hit(const StructureView& structure, const Query& query) {
   TraversalRay ray;
   if (structure.empty || !setup_ray(structure, query.ray, ray)) return false;
-  StackEntry stack[kStackSize];
+  StackEntry stack[7 * kMaxLevels + 1];  // each level leaves at most seven siblings behind
   StackEntry* top = stack;
   StackEntry entry{structure.root, ray.s_near};
   bool found = false;
@@ -160,45 +177,82 @@ bool traverse(const StructureView& structure, const Query& query) {
     const auto kind = static_cast<LinkKind>(entry.link >> kLinkKindShift);
     if (kind != LinkKind::kLeaf) {
       if (kCounted) ++query.counters->nodes;
-      prefetch(data);
       const Link* children = nullptr;
       const ChildHits hits = intersect_any_node(ray, kind, data, children);
       if (hits.bits != 0) {
-        entry = kAnyHit ? first_child(hits, children, top) : nearest_child(hits, children, top);
-        for (int ahead = 1; ahead <= 2 && top - stack >= ahead; ++ahead)
-          prefetch(address(structure, top[-ahead].link));
+        entry = nearest_child(hits, children, top);
+        prefetch(structure, entry.link);
+        if (top != stack) prefetch(structure, top[-1].link);
         continue;
       }
     } else {
       const auto& leaf = *reinterpret_cast<const LeafHeader*>(data);
-      if (test_leaf<kAnyHit, kFiltered, kCounted>(structure, ray, leaf, query, found)) return true;
+      test_leaf<false, kFiltered, kCounted>(structure, ray, leaf, query, found);
     }
     do {
       if (top == stack) return found;
       entry = *--top;
-    } while (!kAnyHit && entry.s > ray.s_far);
+    } while (entry.s > ray.s_far);
+    if (top != stack) prefetch(structure, top[-1].link);
+  }
+}
+
+/// Children are visited in the encoder's order: what is large and decides soon comes first. Sorting them by
+/// distance would cost more than it saves (docs/performance.md).
+template <bool kFiltered, bool kCounted>
+bool find_any_hit(const StructureView& structure, const Query& query) {
+  TraversalRay ray;
+  if (structure.empty || !setup_ray(structure, query.ray, ray)) return false;
+  Siblings stack[kMaxLevels + 1];
+  Siblings* top = stack;
+  Link link = structure.root;
+  bool found = false;
+  for (;;) {
+    const std::byte* data = address(structure, link);
+    const auto kind = static_cast<LinkKind>(link >> kLinkKindShift);
+    if (kind != LinkKind::kLeaf) {
+      if (kCounted) ++query.counters->nodes;
+      Siblings met;
+      met.bits = intersect_any_node(ray, kind, data, met.children).bits;
+      if (met.bits != 0) {
+        link = take_first(met);
+        prefetch(structure, link);
+        if (met.bits != 0) prefetch(structure, first_of(met));
+        *top = met;
+        top += met.bits != 0;
+        continue;
+      }
+    } else {
+      const auto& leaf = *reinterpret_cast<const LeafHeader*>(data);
+      if (test_leaf<true, kFiltered, kCounted>(structure, ray, leaf, query, found)) return true;
+    }
+    if (top == stack) return found;
+    Siblings& next = top[-1];
+    link = take_first(next);
+    if (next.bits != 0) prefetch(structure, first_of(next));
+    top -= next.bits == 0;
   }
 }
 
 constexpr KernelTable make_kernel_table() {
   return {
       [](const StructureView& s, const Ray& ray, Hit& hit) {
-        return traverse<false, false, false>(s, {ray, &hit, nullptr, nullptr});
+        return find_closest_hit<false, false>(s, {ray, &hit, nullptr, nullptr});
       },
       [](const StructureView& s, const Ray& ray, Hit& hit, const HitFilter& filter) {
-        return traverse<false, true, false>(s, {ray, &hit, &filter, nullptr});
+        return find_closest_hit<true, false>(s, {ray, &hit, &filter, nullptr});
       },
       [](const StructureView& s, const Ray& ray, Hit& hit, TraversalCounters& counters) {
-        return traverse<false, false, true>(s, {ray, &hit, nullptr, &counters});
+        return find_closest_hit<false, true>(s, {ray, &hit, nullptr, &counters});
       },
       [](const StructureView& s, const Ray& ray) {
-        return traverse<true, false, false>(s, {ray, nullptr, nullptr, nullptr});
+        return find_any_hit<false, false>(s, {ray, nullptr, nullptr, nullptr});
       },
       [](const StructureView& s, const Ray& ray, const HitFilter& filter) {
-        return traverse<true, true, false>(s, {ray, nullptr, &filter, nullptr});
+        return find_any_hit<true, false>(s, {ray, nullptr, &filter, nullptr});
       },
       [](const StructureView& s, const Ray& ray, TraversalCounters& counters) {
-        return traverse<true, false, true>(s, {ray, nullptr, nullptr, &counters});
+        return find_any_hit<false, true>(s, {ray, nullptr, nullptr, &counters});
       },
   };
 }

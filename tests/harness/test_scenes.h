@@ -70,8 +70,8 @@ inline Ray ray_along_z(float x, float y, float time = 0.0f) {
   return {.origin = {x, y, -1},
           .tnear = 0,
           .direction = {0, 0, 1},
-          .tfar = 100,
           .time = time,
+          .tfar = 100,
           .mask = 0xFFFFFFFFu};
 }
 

@@ -147,7 +147,7 @@ TEST(Builder, DuplicatesAndPointsEndInBoundedDepth) {
   const auto structure = Structure::build({&view, 1});
   EXPECT_LE(structure->statistics().depth, 88u);
   EXPECT_EQ(structure->statistics().leaf_triangles, 5000u);
-  Ray ray{{0.2f, 0.2f, -1}, 0, {0, 0, 1}, 10, 0.5f, 0xFFFFFFFFu};
+  Ray ray{{0.2f, 0.2f, -1}, 0, {0, 0, 1}, 0.5f, 10, 0xFFFFFFFFu};
   Hit hit;
   ASSERT_TRUE(structure->intersect(ray, hit));
   EXPECT_FLOAT_EQ(hit.t, 1.0f);

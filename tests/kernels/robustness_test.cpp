@@ -182,6 +182,19 @@ std::string describe(const Ray& ray) {
   return text;
 }
 
+/// Whether any hit and closest hit agree where the range ends at a hit at `t`, on either side of it.
+bool agree_around(const Structure& structure, Isa isa, Ray ray, float t) {
+  const float before = std::nextafter(t, -kInf);
+  const float ranges[][2] = {{t, ray.tfar}, {before, ray.tfar}, {ray.tnear, before}, {ray.tnear, t}};
+  Hit hit;
+  for (const auto& [tnear, tfar] : ranges) {
+    ray.tnear = tnear;
+    ray.tfar = tfar;
+    if (structure.intersect_on(isa, ray, hit) != structure.occluded_on(isa, ray)) return false;
+  }
+  return true;
+}
+
 /// Whether the tree answers `ray` as `expected`; where two triangles are hit at the same t, either will do.
 bool agrees(const Structure& structure, const std::optional<Hit>& expected, Isa isa, Ray ray) {
   Hit hit{};
@@ -194,7 +207,7 @@ bool agrees(const Structure& structure, const std::optional<Hit>& expected, Isa 
     return hit.u == expected->u && hit.v == expected->v && hit.normal.x == expected->normal.x &&
            hit.normal.y == expected->normal.y && hit.normal.z == expected->normal.z;
   };
-  if (!same()) return false;
+  if (!same() || !agree_around(structure, isa, ray, expected->t)) return false;
   // Nothing but the hit is left of the ray: boxes may not be cut any closer.
   ray.tfar = expected->t;
   ray.tnear = std::nextafter(expected->t, -kInf);

@@ -119,7 +119,7 @@ TEST_P(TraversalOnIsa, TnearIsOpenAndTfarClosed) {
   const auto structure = Structure::build({&view, 1});
   Hit hit;
   const auto hits = [&](float tnear, float tfar) {
-    const Ray ray{{0.25f, 0.25f, 0}, tnear, {0, 0, 1}, tfar, 0.5f, 1};
+    const Ray ray{{0.25f, 0.25f, 0}, tnear, {0, 0, 1}, 0.5f, tfar, 1};
     return structure->intersect_on(GetParam(), ray, hit);
   };
   EXPECT_TRUE(hits(0, 2));

@@ -62,13 +62,14 @@ struct BuildStatistics {
   std::size_t depth = 0;  ///< nodes from the root to the deepest leaf
 };
 
-/// A ray in the conventions of Embree: hits with tnear < t <= tfar, direction not normalised.
+/// A ray in the conventions of Embree, its members in the order of RTCRay: hits with tnear < t <= tfar,
+/// direction not normalised.
 struct Ray {
   Vec3f origin;
   float tnear;
   Vec3f direction;
-  float tfar;
   float time;
+  float tfar;
   std::uint32_t mask;
 };
 
