@@ -10,8 +10,8 @@ namespace {
 
 static_assert(offsetof(Ray, tnear) == offsetof(RTCRay, tnear) &&
               offsetof(Ray, direction) == offsetof(RTCRay, dir_x) &&
-              offsetof(Ray, time) == offsetof(RTCRay, time) && offsetof(Ray, tfar) == offsetof(RTCRay, tfar) &&
-              offsetof(Ray, mask) == offsetof(RTCRay, mask));
+              offsetof(Ray, time) == offsetof(RTCRay, time) &&
+              offsetof(Ray, tfar) == offsetof(RTCRay, tfar) && offsetof(Ray, mask) == offsetof(RTCRay, mask));
 
 /// A lane's ray as the kernels take it. Of a packet of one it is the application's own memory: a copy would
 /// cost as much as a node.
@@ -22,8 +22,7 @@ inline const Ray& ray_of(const Lane& lane, Ray& copy) {
   const unsigned i = lane.index;
   copy.origin = {RTCRayN_org_x(rays, size, i), RTCRayN_org_y(rays, size, i), RTCRayN_org_z(rays, size, i)};
   copy.tnear = RTCRayN_tnear(rays, size, i);
-  copy.direction = {RTCRayN_dir_x(rays, size, i), RTCRayN_dir_y(rays, size, i),
-                    RTCRayN_dir_z(rays, size, i)};
+  copy.direction = {RTCRayN_dir_x(rays, size, i), RTCRayN_dir_y(rays, size, i), RTCRayN_dir_z(rays, size, i)};
   copy.time = RTCRayN_time(rays, size, i);
   copy.tfar = RTCRayN_tfar(rays, size, i);
   copy.mask = RTCRayN_mask(rays, size, i);

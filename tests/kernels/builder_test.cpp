@@ -37,7 +37,7 @@ TEST(Builder, SameTreeForAnyNumberOfThreads) {
   meshes.push_back(test::sphere(150, 4, test::tumble, {0, 1, 0}));  // large enough for parallel binning
   const std::vector<MeshView> v = views(meshes);
   const std::uint64_t expected = Structure::build(v)->tree_hash();
-  for (int run = 0; run < 10; ++run) {
+  for (int run = 0; run < test::count(10); ++run) {
     for (const int threads : {1, 2}) {
       tbb::task_arena arena(threads);
       arena.execute([&] { EXPECT_EQ(Structure::build(v)->tree_hash(), expected) << threads << " threads"; });
@@ -88,7 +88,7 @@ TEST(Builder, InvalidPrimitivesAreLeftOutAndCounted) {
   EXPECT_EQ(structure->statistics().invalid_triangles, 5u);
   EXPECT_EQ(structure->statistics().triangles, 95u);
   test::Random random(1);
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < test::count(20000); ++i) {
     Hit hit;
     if (!structure->intersect(test::random_ray(random), hit)) continue;
     for (const std::uint32_t invalid : {0u, 7u, 20u, 30u, 40u}) EXPECT_NE(hit.prim_id, invalid);

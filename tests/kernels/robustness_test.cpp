@@ -226,7 +226,7 @@ Tally compare(std::span<const MeshView> meshes, const BuildSettings& settings, b
     unculled = std::make_unique<test::Unculled>(meshes);
   }
   Tally tally;
-  for (int i = 0; i < rays; ++i) {
+  for (int i = 0; i < test::count(rays); ++i) {
     const Ray ray = make_ray();
     for (const bool flush_trace : {false, true}) {
       const FlushToZero guard(flush_trace);

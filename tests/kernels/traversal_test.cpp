@@ -48,7 +48,7 @@ TEST_P(TraversalOnIsa, FindsWhatTheTriangleTestAccepts) {
     const test::Unculled unculled(v);
     Random random(7);
     int hits = 0;
-    for (int i = 0; i < 3000; ++i) {
+    for (int i = 0; i < test::count(3000); ++i) {
       Ray ray = test::random_ray(random);
       if (i % 5 == 0) ray.direction.x = 0.0f;
       if (i % 7 == 0) ray.direction.y = -0.0f;
@@ -66,7 +66,7 @@ TEST_P(TraversalOnIsa, FindsWhatTheTriangleTestAccepts) {
       EXPECT_EQ(hit.u, expected->u);
       EXPECT_EQ(hit.v, expected->v);
     }
-    EXPECT_GT(hits, 1000);
+    EXPECT_GT(hits, test::count(1000));
   }
 }
 
@@ -74,7 +74,7 @@ TEST_P(TraversalOnIsa, HitDataDescribeThePointOnTheTriangle) {
   std::vector<TestMesh> meshes = mixed_meshes();
   const auto structure = Structure::build(views(meshes));
   Random random(8);
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < test::count(2000); ++i) {
     const Ray ray = test::random_ray(random);
     Hit hit;
     if (!structure->intersect_on(GetParam(), ray, hit)) continue;
@@ -137,7 +137,7 @@ TEST_P(TraversalOnIsa, RaysThatAreNotFiniteHitNothing) {
   std::vector<TestMesh> meshes = mixed_meshes();
   const auto structure = Structure::build(views(meshes));
   Random random(9);
-  for (int i = 0; i < 200; ++i) {
+  for (int i = 0; i < test::count(200); ++i) {
     for (const float bad : {kNan, kInf, -kInf}) {
       for (int what = 0; what < 7; ++what) {
         Ray ray = test::random_ray(random);
@@ -165,7 +165,7 @@ TEST_P(TraversalOnIsa, DirectionsOfAnyLength) {
   std::vector<TestMesh> meshes = mixed_meshes();
   const auto structure = Structure::build(views(meshes));
   Random random(10);
-  for (int i = 0; i < 500; ++i) {
+  for (int i = 0; i < test::count(500); ++i) {
     const Ray ray = test::random_ray(random);
     Hit expected{}, hit{};
     const bool found = structure->intersect_on(GetParam(), ray, expected);
@@ -187,7 +187,7 @@ TEST_P(TraversalOnIsa, MasksAndTimeRangesOfMeshes) {
   const auto structure = Structure::build(views(meshes));
   Random random(11);
   int seen[4] = {};
-  for (int i = 0; i < 8000; ++i) {
+  for (int i = 0; i < test::count(8000); ++i) {
     Ray ray = test::random_ray(random);
     ray.mask = random.bits() & 15;
     Hit hit;
@@ -198,7 +198,7 @@ TEST_P(TraversalOnIsa, MasksAndTimeRangesOfMeshes) {
     EXPECT_LE(ray.time, range.end);
     ++seen[hit.mesh];
   }
-  for (const int count : seen) EXPECT_GT(count, 50);
+  for (const int count : seen) EXPECT_GT(count, test::count(50));
 }
 
 TEST_P(TraversalOnIsa, FiltersSeeEveryCandidateAndMayReject) {
@@ -209,7 +209,7 @@ TEST_P(TraversalOnIsa, FiltersSeeEveryCandidateAndMayReject) {
     std::vector<Hit> rejected;
   };
   Random random(12);
-  for (int i = 0; i < 1000; ++i) {
+  for (int i = 0; i < test::count(1000); ++i) {
     const Ray ray = test::random_ray(random);
     // Reject odd primitives: what remains must be the nearest even one, as in a scene without the odd ones.
     const HitFilter even{[](void*, const Ray&, const Hit& hit) { return hit.prim_id % 2 == 0; }, nullptr};
@@ -241,14 +241,14 @@ TEST(Traversal, CountersCountWhatIsVisited) {
   const auto structure = Structure::build(views(meshes));
   Random random(13);
   TraversalCounters counters;
-  for (int i = 0; i < 100; ++i) {
+  for (int i = 0; i < test::count(100); ++i) {
     const Ray ray = test::random_ray(random);
     Hit hit, plain;
     const bool found = structure->intersect_counted(ray, hit, counters);
     ASSERT_EQ(structure->intersect(ray, plain), found);
     EXPECT_EQ(structure->occluded_counted(ray, counters), found);
   }
-  EXPECT_GE(counters.nodes, 200u);
+  EXPECT_GE(counters.nodes, 2u * test::count(100));
   EXPECT_GT(counters.leaves, 0u);
   EXPECT_GE(counters.triangle_tests, counters.leaves);
 }

@@ -69,7 +69,7 @@ TEST_P(WatertightOnIsa, ClosedMovingSphereAtVerticesAndEdges) {
       settings.max_inline_steps = max_inline_steps;
       const auto structure = Structure::build({&view, 1}, settings);
       const FlushToZero guard(flush);
-      EXPECT_EQ(count_leaks(*structure, mesh, isa, {0, 0, 0}, 10000), 0u) << steps << " steps";
+      EXPECT_EQ(count_leaks(*structure, mesh, isa, {0, 0, 0}, test::count(10000)), 0u) << steps << " steps";
     }
   }
 }
@@ -84,7 +84,7 @@ TEST_P(WatertightOnIsa, SameHitsOnEveryIsaAndLayout) {
   const auto b = Structure::build({&view, 1}, indexed);
   const FlushToZero guard(flush);
   Random random(22);
-  for (int i = 0; i < 20000; ++i) {
+  for (int i = 0; i < test::count(20000); ++i) {
     const Ray ray = test::random_ray(random);
     Hit p{}, q{};
     const bool found = a->intersect_on(Isa::kScalar, ray, p);
