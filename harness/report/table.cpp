@@ -43,11 +43,11 @@ std::string speed_cell(const SpeedResult& r) {
 
 /// Speeds of a few kinds of rays side by side.
 std::string speed_columns(const std::vector<SpeedResult>& results, std::span<const std::string> kinds) {
-  std::string text = fmt::format("{:<15}", "structure");
+  std::string text = fmt::format("{:<21}", "structure");
   for (const std::string& kind : kinds) text += fmt::format("{:>25}", kind);
   text += "\n";
   for (const std::string& structure : distinct(results, [](const SpeedResult& r) { return r.structure; })) {
-    text += fmt::format("{:<15}", structure);
+    text += fmt::format("{:<21}", structure);
     for (const std::string& kind : kinds) {
       const SpeedResult* r = find(results, structure, kind);
       text += fmt::format("{:>25}", r == nullptr ? "-" : speed_cell(*r));
@@ -101,13 +101,13 @@ std::string build_table(const std::vector<BuildResult>& results) {
   };
   std::string text = fmt::format(
       "build, {} threads (ratios to embree; MB = 1e6 bytes; bytes as each one's own monitor counts)\n"
-      "{:<15}{:>7}{:>9}{:>18}{:>8}{:>9}{:>9}{:>13}{:>12}\n",
+      "{:<21}{:>7}{:>9}{:>18}{:>8}{:>9}{:>9}{:>13}{:>12}\n",
       results.front().threads, "structure", "time", "seconds", "min-max (builds)", "memory", "final MB",
       "peak MB", "with buffers", "resident MB");
   for (const BuildResult& r : results) {
     const bool has_reference = embree != results.end();
     const auto bytes = static_cast<double>(r.structure_bytes);
-    text += fmt::format("{:<15}{:>7}{:>9.3f}{:>18}{:>8}{:>9}{:>9}{:>13}{:>12}\n", r.structure,
+    text += fmt::format("{:<21}{:>7}{:>9.3f}{:>18}{:>8}{:>9}{:>9}{:>13}{:>12}\n", r.structure,
                         ratio(r.build_s.median, has_reference ? embree->build_s.median : 0), r.build_s.median,
                         fmt::format("{:.2f}-{:.2f} ({})", r.build_s.min, r.build_s.max, r.builds),
                         ratio(bytes, has_reference ? static_cast<double>(embree->structure_bytes) : 0),
@@ -134,13 +134,13 @@ std::string speed_table(const std::vector<SpeedResult>& results) {
 
 std::string error_table(const std::vector<ErrorResult>& results) {
   if (results.empty()) return "";
-  std::string text = fmt::format("{:<15}{:<17}{:>8}{:>8}{:>14}{:>14}{:>14}{:>7}{:>10}{:>10}{:>10}{:>10}\n",
+  std::string text = fmt::format("{:<21}{:<17}{:>8}{:>8}{:>14}{:>14}{:>14}{:>7}{:>10}{:>10}{:>10}{:>10}\n",
                                  "structure", "rays", "traced", "hits", "missed", "false", "wrong", "ties",
                                  "rounding", "t err p50", "p99", "max");
   for (const ErrorResult& r : results) {
     const auto or_dash = [&](const std::string& s) { return r.is_any_hit ? std::string("-") : s; };
     text += fmt::format(
-        "{:<15}{:<17}{:>8}{:>8}{:>14}{:>14}{:>14}{:>7}{:>10}{:>10}{:>10}{:>10}\n", r.structure, r.rays,
+        "{:<21}{:<17}{:>8}{:>8}{:>14}{:>14}{:>14}{:>7}{:>10}{:>10}{:>10}{:>10}\n", r.structure, r.rays,
         r.traced, r.oracle_hits, bad_count(r.missed, r.traced), bad_count(r.false_hits, r.traced),
         or_dash(bad_count(r.wrong_primitive, r.traced)), or_dash(fmt::format("{}", r.ties)),
         fmt::format("{}/{}", r.within_rounding, r.near_edge),
@@ -156,7 +156,7 @@ std::string speed_summary(const Report& report) {
   const auto scenes = distinct(report.speeds, [](const SpeedResult& r) { return r.scene; });
   if (scenes.size() < 2) return "";
   const auto kinds = distinct(report.speeds, [](const SpeedResult& r) { return r.rays; });
-  std::string text = fmt::format("\n== all {} scenes: geometric means of the ratios to embree\n{:<15}",
+  std::string text = fmt::format("\n== all {} scenes: geometric means of the ratios to embree\n{:<21}",
                                  scenes.size(), "structure");
   for (const std::string& kind : kinds) text += fmt::format("{:>18}", kind);
   text += fmt::format("{:>10}{:>12}\n", "memory", "build time");
@@ -168,7 +168,7 @@ std::string speed_summary(const Report& report) {
   };
   for (const std::string& structure :
        distinct(report.builds, [](const BuildResult& r) { return r.structure; })) {
-    text += fmt::format("{:<15}", structure);
+    text += fmt::format("{:<21}", structure);
     for (const std::string& kind : kinds) {
       std::vector<double> ratios;
       for (const SpeedResult& r : report.speeds) {
