@@ -80,7 +80,10 @@ class StructureImpl final : public Structure {
  public:
   StructureImpl(BuildContext& context, const BuildCallbacks& callbacks, const BinaryTree& tree,
                 const Encoder& encoder)
-      : block_(callbacks, encoder.bytes()), root_bounds_(root_bounds(tree.root())) {
+      : precision_(context.settings.precision),
+        kernels_(kernel_table(default_isa(), precision_)),
+        block_(callbacks, encoder.bytes()),
+        root_bounds_(root_bounds(tree.root())) {
     make_mesh_table(context);
     view_.data = block_.data();
     view_.meshes = mesh_records_.data();
@@ -110,12 +113,12 @@ class StructureImpl final : public Structure {
                              : kernels_.occluded_filtered(view_, ray, *filter);
   }
   bool intersect_on(Isa isa, const Ray& ray, Hit& hit, const HitFilter* filter) const override {
-    const KernelTable& kernels = kernel_table(isa);
+    const KernelTable& kernels = kernel_table(isa, precision_);
     return filter == nullptr ? kernels.intersect(view_, ray, hit)
                              : kernels.intersect_filtered(view_, ray, hit, *filter);
   }
   bool occluded_on(Isa isa, const Ray& ray, const HitFilter* filter) const override {
-    const KernelTable& kernels = kernel_table(isa);
+    const KernelTable& kernels = kernel_table(isa, precision_);
     return filter == nullptr ? kernels.occluded(view_, ray) : kernels.occluded_filtered(view_, ray, *filter);
   }
   bool intersect_counted(const Ray& ray, Hit& hit, TraversalCounters& counters) const override {
@@ -180,7 +183,8 @@ class StructureImpl final : public Structure {
         std::max(context.memory.peak(), context.memory.current() + statistics_.structure_bytes);
   }
 
-  const KernelTable& kernels_ = kernel_table(default_isa());
+  Precision precision_;
+  const KernelTable& kernels_;
   Block block_;
   std::vector<MeshRecord> mesh_records_;
   std::vector<VertexBufferView> step_views_;

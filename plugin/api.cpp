@@ -116,6 +116,18 @@ unsigned stbvhGetMeshCount(StbvhGeometry geometry) {
   return geometry == nullptr ? 0 : static_cast<unsigned>(geometry->geometry.meshes().size());
 }
 
+RTCError stbvhSetGeometryPrecision(StbvhGeometry geometry, StbvhPrecision precision) {
+  return guarded(geometry, [&](stbvh::plugin::Geometry& g) {
+    switch (precision) {
+      case STBVH_PRECISION_WATERTIGHT:
+        return g.set_precision(stbvh::Precision::kWatertight);
+      case STBVH_PRECISION_FAST:
+        return g.set_precision(stbvh::Precision::kFast);
+    }
+    throw ApiError(RTC_ERROR_INVALID_ARGUMENT, "precision is not one of enum StbvhPrecision");
+  });
+}
+
 RTCError stbvhSetProgressFunction(StbvhGeometry geometry, RTCProgressMonitorFunction progress,
                                   void* userPtr) {
   return guarded(geometry, [&](stbvh::plugin::Geometry& g) { g.set_progress(progress, userPtr); });

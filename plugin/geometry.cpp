@@ -107,7 +107,7 @@ std::unique_ptr<Published> Geometry::build(TemporaryMemory& temporary_memory) co
     published->has_occluded_filters |= published->meshes.back().occluded_filter != nullptr;
   }
   published->grid = fit_motion_grid(motions);
-  published->structure = Structure::build(views, {}, callbacks);
+  published->structure = Structure::build(views, settings_, callbacks);
   return published;
 }
 

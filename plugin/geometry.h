@@ -25,6 +25,7 @@ class Geometry {
 
   std::vector<MeshDescription>& meshes() { return meshes_; }
 
+  void set_precision(Precision precision) { settings_.precision = precision; }
   void set_progress(RTCProgressMonitorFunction progress, void* user_ptr);
 
   /// Builds the tree and commits the RTCGeometry. On an exception the geometry is empty, and committed so.
@@ -41,6 +42,7 @@ class Geometry {
   RTCDevice device_;
   RTCGeometry rtc_geometry_ = nullptr;
   std::vector<MeshDescription> meshes_;
+  BuildSettings settings_;
   RTCProgressMonitorFunction progress_ = nullptr;
   void* progress_user_ptr_ = nullptr;
   std::unique_ptr<Published> published_;

@@ -23,7 +23,7 @@ struct Entry {
   StructurePtr (*build)(const Scene& scene, unsigned threads);
 };
 
-constexpr std::array<Entry, 9> kEntries{{
+constexpr std::array<Entry, 11> kEntries{{
     {"embree", "Embree's own motion blur tree, as an application gets it by default",
      build_embree<RTC_SCENE_FLAG_NONE>},
     {"embree-robust", "the same with the flag ROBUST", build_embree<RTC_SCENE_FLAG_ROBUST>},
@@ -42,11 +42,19 @@ constexpr std::array<Entry, 9> kEntries{{
      }},
     {"stbvh", "our plugin, as an application attaches it to Embree",
      [](const Scene& scene, unsigned threads) -> StructurePtr {
-       return std::make_unique<StbvhPlugin>(scene, threads);
+       return std::make_unique<StbvhPlugin>(scene, STBVH_PRECISION_WATERTIGHT, threads);
+     }},
+    {"stbvh-fast", "the same with the precision FAST: not watertight",
+     [](const Scene& scene, unsigned threads) -> StructurePtr {
+       return std::make_unique<StbvhPlugin>(scene, STBVH_PRECISION_FAST, threads);
      }},
     {"stbvh-direct", "our kernels without Embree; the vertices in the leaves, as in the plugin",
      [](const Scene& scene, unsigned threads) -> StructurePtr {
        return std::make_unique<StbvhDirect>(scene, BuildSettings{}, threads);
+     }},
+    {"stbvh-direct-fast", "our kernels without Embree, not watertight",
+     [](const Scene& scene, unsigned threads) -> StructurePtr {
+       return std::make_unique<StbvhDirect>(scene, BuildSettings{.precision = Precision::kFast}, threads);
      }},
     {"stbvh-direct-indexed", "our kernels without Embree; vertex indices in the leaves: smaller, slower",
      [](const Scene& scene, unsigned threads) -> StructurePtr {

@@ -10,13 +10,15 @@
 
 namespace stbvh::harness {
 
-StbvhPlugin::StbvhPlugin(const Scene& scene, unsigned threads) : device_("", threads) {
+StbvhPlugin::StbvhPlugin(const Scene& scene, StbvhPrecision precision, unsigned threads)
+    : device_("", threads) {
   const BuildMeter meter(threads);
   geometry_.reset(stbvhNewGeometry(device_.get()));
   if (!geometry_) throw std::bad_alloc();
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
     if (scene.meshes[i].triangle_count() > 0) add_mesh(scene.meshes[i], static_cast<unsigned>(i));
   }
+  check(stbvhSetGeometryPrecision(geometry_.get(), precision));
   check(stbvhCommitGeometry(geometry_.get()));
   scene_ = device_.new_scene(RTC_SCENE_FLAG_NONE);
   rtcAttachGeometry(scene_.get(), stbvhGetGeometry(geometry_.get()));

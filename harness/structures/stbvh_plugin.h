@@ -13,7 +13,7 @@ namespace stbvh::harness {
 
 class StbvhPlugin final : public StructureUnderTest {
  public:
-  StbvhPlugin(const Scene& scene, unsigned threads);
+  StbvhPlugin(const Scene& scene, StbvhPrecision precision, unsigned threads);
 
   const BuildRecord& build_record() const override { return record_; }
   void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override;

@@ -36,6 +36,17 @@ inline F32x8 max(F32x8 a, F32x8 b) {
 inline F32x8 multiply_add(F32x8 a, F32x8 b, F32x8 c) {
   return {_mm256_fmadd_ps(a.v, b.v, c.v)};
 }
+/// a * b - c, likewise.
+inline F32x8 multiply_subtract(F32x8 a, F32x8 b, F32x8 c) {
+  return {_mm256_fmsub_ps(a.v, b.v, c.v)};
+}
+inline F32x8 operator/(F32x8 a, F32x8 b) {
+  return {_mm256_div_ps(a.v, b.v)};
+}
+/// a, negated where b is negative (or -0).
+inline F32x8 flip_sign(F32x8 a, F32x8 b) {
+  return {_mm256_xor_ps(a.v, _mm256_and_ps(b.v, _mm256_set1_ps(-0.0f)))};
+}
 inline Mask8 less_equal(F32x8 a, F32x8 b) {
   return {static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ)))};
 }

@@ -49,6 +49,15 @@ inline F32x8 max(const F32x8& a, const F32x8& b) {
 inline F32x8 multiply_add(const F32x8& a, const F32x8& b, const F32x8& c) {
   return each_lane([&](int i) { return a.v[i] * b.v[i] + c.v[i]; });
 }
+inline F32x8 multiply_subtract(const F32x8& a, const F32x8& b, const F32x8& c) {
+  return each_lane([&](int i) { return a.v[i] * b.v[i] - c.v[i]; });
+}
+inline F32x8 operator/(const F32x8& a, const F32x8& b) {
+  return each_lane([&](int i) { return a.v[i] / b.v[i]; });
+}
+inline F32x8 flip_sign(const F32x8& a, const F32x8& b) {
+  return each_lane([&](int i) { return std::signbit(b.v[i]) ? -a.v[i] : a.v[i]; });
+}
 inline Mask8 less_equal(const F32x8& a, const F32x8& b) {
   return each_flag([&](int i) { return a.v[i] <= b.v[i]; });
 }

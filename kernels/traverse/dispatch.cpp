@@ -41,8 +41,9 @@ Isa default_isa() {
   return isa;
 }
 
-const KernelTable& kernel_table(Isa isa) {
-  return isa == Isa::kAvx2 ? kAvx2Kernels : kScalarKernels;
+const KernelTable& kernel_table(Isa isa, Precision precision) {
+  const KernelTables& tables = isa == Isa::kAvx2 ? kAvx2Kernels : kScalarKernels;
+  return precision == Precision::kFast ? tables.fast : tables.watertight;
 }
 
 }  // namespace stbvh

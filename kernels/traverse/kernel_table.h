@@ -16,10 +16,16 @@ struct KernelTable {
   bool (*occluded_counted)(const StructureView&, const Ray&, TraversalCounters&);
 };
 
-/// The table of an instruction set that is available (available_isas()).
-const KernelTable& kernel_table(Isa isa);
+/// The tables of one instruction set.
+struct KernelTables {
+  KernelTable watertight;
+  KernelTable fast;
+};
 
-extern const KernelTable kScalarKernels;
-extern const KernelTable kAvx2Kernels;
+/// The table of an instruction set that is available (available_isas()).
+const KernelTable& kernel_table(Isa isa, Precision precision);
+
+extern const KernelTables kScalarKernels;
+extern const KernelTables kAvx2Kernels;
 
 }  // namespace stbvh

@@ -24,11 +24,12 @@ constexpr PlaneOffsets kPlaneOffsets[] = {plane_offsets(0), plane_offsets(1), pl
 /// Directions are divided by their largest component, so that neither their length nor a vanishing component
 /// overflows: boxes are met at s = t * |direction[kz]|.
 struct TraversalRay {
-  F32x8 near_origin[3];  ///< in all lanes; moved outwards for the near planes, see ray_slack()
+  F32x8 near_origin[3];  ///< in all lanes; what Test::slab() takes for near planes, and for far ones
   F32x8 far_origin[3];
   F32x8 inverse[3];             ///< in all lanes; 1 / (direction[i] / |direction[kz]|), finite
   const PlaneOffsets* planes;   ///< which planes are near, and which far
-  alignas(16) float origin[4];  ///< x, y, z; the fourth is not used
+  alignas(16) float origin[4];  ///< x, y, z; the fourth of both is not used
+  alignas(16) float direction[4];
   int kx, ky, kz;  ///< kz: the axis of the largest direction component (Woop, Benthin, Wald 2013)
   float shear_x, shear_y;
   double direction_z;  ///< direction[kz]
@@ -80,14 +81,6 @@ inline Axes largest_distance(const StructureView& structure, Axes origin) {
   return largest_of(_mm_max_ps(to_lower, to_upper));
 }
 
-/// How far the triangle test may see a vertex from where it is: its translation, interpolation and shear each
-/// round, relative to the distance of the vertex. Adds up to 10 * 2^-24; rounding of the slab distances takes
-/// 4 more (docs/algorithm.md). The second term survives the rounding of the sum with the origin.
-inline Axes ray_slack(Axes origin, Axes distance) {
-  const Axes size = _mm_andnot_ps(_mm_set1_ps(-0.0f), origin);
-  return _mm_add_ps(_mm_mul_ps(_mm_set1_ps(0x1p-20f), distance), _mm_mul_ps(_mm_set1_ps(0x1p-22f), size));
-}
-
 /// Nothing is certain where distances could overflow or lose precision.
 inline void set_certain_range(TraversalRay& r, float distance) {
   constexpr float kLeast = 0x1p-80f;  // its products stay normal numbers: others are slow
@@ -100,6 +93,7 @@ inline void set_certain_range(TraversalRay& r, float distance) {
 }
 
 /// False for a ray that hits nothing: not finite, of zero direction, or at a time outside the structure's.
+template <typename Test>
 inline bool setup_ray(const StructureView& structure, const Ray& ray, TraversalRay& r) {
   // The fourth lanes hold what follows in the ray.
   const Axes origin = _mm_loadu_ps(&ray.origin.x);
@@ -133,13 +127,12 @@ inline bool setup_ray(const StructureView& structure, const Ray& ray, TraversalR
   const float least = scale * unit * 1e-18f;
   const Axes sign = _mm_and_ps(sign_bit, direction);
   const Axes magnitude = _mm_max_ps(_mm_mul_ps(size, _mm_set1_ps(unit)), _mm_set1_ps(least));
-  splat_axes(r.inverse, _mm_or_ps(sign, _mm_div_ps(_mm_set1_ps(unit * scale), magnitude)));
+  const Axes inverse = _mm_or_ps(sign, _mm_div_ps(_mm_set1_ps(unit * scale), magnitude));
   const Axes distance = largest_distance(structure, origin);
-  const Axes backwards = _mm_or_ps(sign, ray_slack(origin, distance));
-  _mm_store_ps(r.origin, origin);
-  splat_axes(r.near_origin, _mm_add_ps(origin, backwards));
-  splat_axes(r.far_origin, _mm_sub_ps(origin, backwards));
+  Test::set_slabs(origin, direction, inverse, distance, r);
   r.planes = &kPlaneOffsets[bits_of(direction)];
+  _mm_store_ps(r.origin, origin);
+  _mm_store_ps(r.direction, direction);
   r.time = ray.time;
   r.mask = ray.mask;
   r.tnear = ray.tnear;

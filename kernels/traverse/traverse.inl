@@ -29,13 +29,13 @@ struct ChildHits {
   unsigned bits;
 };
 
-template <typename PlaneAt>
+template <typename Test, typename PlaneAt>
 inline ChildHits intersect_children(const TraversalRay& ray, const PlaneAt& plane_at) {
   const auto near_at = [&](int i) {
-    return (plane_at(ray.planes->near[i]) - ray.near_origin[i]) * ray.inverse[i];
+    return Test::slab(plane_at(ray.planes->near[i]), ray.near_origin[i], ray.inverse[i]);
   };
   const auto far_at = [&](int i) {
-    return (plane_at(ray.planes->far[i]) - ray.far_origin[i]) * ray.inverse[i];
+    return Test::slab(plane_at(ray.planes->far[i]), ray.far_origin[i], ray.inverse[i]);
   };
   const F32x8 entry = max(max(near_at(0), near_at(1)), max(near_at(2), splat(ray.s_near)));
   const F32x8 exit = min(min(far_at(0), far_at(1)), min(far_at(2), splat(ray.s_far)));
@@ -53,44 +53,49 @@ inline F32x8 moving_plane(const void* node, std::uint32_t offset, F32x8 elapsed)
   return multiply_add(elapsed, load(slope), load(begin));
 }
 
+template <typename Test>
 inline ChildHits intersect_node(const TraversalRay& ray, const StaticNode& node) {
-  return intersect_children(ray, [&](std::uint32_t offset) { return load(plane(&node, offset)); });
+  return intersect_children<Test>(ray, [&](std::uint32_t offset) { return load(plane(&node, offset)); });
 }
 
+template <typename Test>
 inline ChildHits intersect_node(const TraversalRay& ray, const LinearNode& node) {
   const F32x8 elapsed = splat(ray.time - node.time_begin);
-  return intersect_children(ray, [&](std::uint32_t offset) { return moving_plane(&node, offset, elapsed); });
+  return intersect_children<Test>(ray,
+                                  [&](std::uint32_t offset) { return moving_plane(&node, offset, elapsed); });
 }
 
+template <typename Test>
 inline ChildHits intersect_node(const TraversalRay& ray, const SpatialTemporalNode& node) {
   const F32x8 time = splat(ray.time);
   const F32x8 begin = load(node.time_begin);
   const F32x8 elapsed = time - begin;
-  ChildHits hits =
-      intersect_children(ray, [&](std::uint32_t offset) { return moving_plane(&node, offset, elapsed); });
+  ChildHits hits = intersect_children<Test>(
+      ray, [&](std::uint32_t offset) { return moving_plane(&node, offset, elapsed); });
   hits.bits &= less_equal(begin, time).bits & less_equal(time, load(node.time_last)).bits;
   return hits;
 }
 
+template <typename Test>
 inline ChildHits intersect_any_node(const TraversalRay& ray, LinkKind kind, const std::byte* data,
                                     const Link*& children) {
   if (kind == LinkKind::kLinearNode) {
     const auto& node = *reinterpret_cast<const LinearNode*>(data);
     children = node.children;
-    return intersect_node(ray, node);
+    return intersect_node<Test>(ray, node);
   }
   if (kind == LinkKind::kStaticNode) {
     const auto& node = *reinterpret_cast<const StaticNode*>(data);
     children = node.children;
-    return intersect_node(ray, node);
+    return intersect_node<Test>(ray, node);
   }
   const auto& node = *reinterpret_cast<const SpatialTemporalNode*>(data);
   children = node.children;
-  return intersect_node(ray, node);
+  return intersect_node<Test>(ray, node);
 }
 
 /// Tests a leaf. True: traversal may end (any hit found).
-template <bool kAnyHit, bool kFiltered, bool kCounted>
+template <typename Test, bool kAnyHit, bool kFiltered, bool kCounted>
 inline bool test_leaf(const StructureView& structure, TraversalRay& ray, const LeafHeader& leaf,
                       const Query& query, bool& found) {
   const MeshRecord& mesh = structure.meshes[leaf.mesh];
@@ -100,17 +105,19 @@ inline bool test_leaf(const StructureView& structure, TraversalRay& ray, const L
     ++query.counters->leaves;
     query.counters->triangle_tests += leaf.triangle_count;
   }
-  ShearedVertices s;
-  bool certain = false;
-  unsigned bits = candidates < kAnyHit && !kFiltered > (ray, leaf, load_leaf(ray, leaf, mesh), s, certain);
-  if (certain) return found = true;
+  constexpr bool kAnyWillDo = kAnyHit && !kFiltered;
+  typename Test::Candidates c;
+  const LeafVertices vertices = load_leaf<Test>(ray, leaf, mesh);
+  unsigned bits = Test::template find<kAnyWillDo>(ray, leaf, vertices, c);
+  if (kAnyWillDo && c.is_certain) return found = true;
+  if constexpr (kAnyWillDo && Test::kFindDecides) return false;
   for (; bits != 0; bits &= bits - 1) {
     const auto i = static_cast<unsigned>(__builtin_ctz(bits));
     Hit hit;
-    if (!decide(ray, leaf, s, i, hit.t, hit.u, hit.v)) continue;
+    if (!Test::decide(ray, leaf, c, i, hit)) continue;
     if (!(hit.t > ray.tnear && hit.t <= ray.tfar)) continue;
-    if (kAnyHit && !kFiltered) return found = true;
-    hit.normal = triangle_normal(ray, leaf, s, i);
+    if (kAnyWillDo) return found = true;
+    hit.normal = Test::normal(ray, leaf, c, i);
     hit.prim_id = leaf.prim_ids[i];
     hit.geom_id = mesh.geom_id;
     hit.mesh = leaf.mesh;
@@ -164,10 +171,10 @@ inline Link take_first(Siblings& siblings) {
   return first;
 }
 
-template <bool kFiltered, bool kCounted>
+template <typename Test, bool kFiltered, bool kCounted>
 bool find_closest_hit(const StructureView& structure, const Query& query) {
   TraversalRay ray;
-  if (structure.empty || !setup_ray(structure, query.ray, ray)) return false;
+  if (structure.empty || !setup_ray<Test>(structure, query.ray, ray)) return false;
   StackEntry stack[7 * kMaxLevels + 1];  // each level leaves at most seven siblings behind
   StackEntry* top = stack;
   StackEntry entry{structure.root, ray.s_near};
@@ -178,7 +185,7 @@ bool find_closest_hit(const StructureView& structure, const Query& query) {
     if (kind != LinkKind::kLeaf) {
       if (kCounted) ++query.counters->nodes;
       const Link* children = nullptr;
-      const ChildHits hits = intersect_any_node(ray, kind, data, children);
+      const ChildHits hits = intersect_any_node<Test>(ray, kind, data, children);
       if (hits.bits != 0) {
         entry = nearest_child(hits, children, top);
         prefetch(structure, entry.link);
@@ -187,7 +194,7 @@ bool find_closest_hit(const StructureView& structure, const Query& query) {
       }
     } else {
       const auto& leaf = *reinterpret_cast<const LeafHeader*>(data);
-      test_leaf<false, kFiltered, kCounted>(structure, ray, leaf, query, found);
+      test_leaf<Test, false, kFiltered, kCounted>(structure, ray, leaf, query, found);
     }
     do {
       if (top == stack) return found;
@@ -199,10 +206,10 @@ bool find_closest_hit(const StructureView& structure, const Query& query) {
 
 /// Children are visited in the encoder's order: what is large and decides soon comes first. Sorting them by
 /// distance would cost more than it saves (docs/performance.md).
-template <bool kFiltered, bool kCounted>
+template <typename Test, bool kFiltered, bool kCounted>
 bool find_any_hit(const StructureView& structure, const Query& query) {
   TraversalRay ray;
-  if (structure.empty || !setup_ray(structure, query.ray, ray)) return false;
+  if (structure.empty || !setup_ray<Test>(structure, query.ray, ray)) return false;
   Siblings stack[kMaxLevels + 1];
   Siblings* top = stack;
   Link link = structure.root;
@@ -213,7 +220,7 @@ bool find_any_hit(const StructureView& structure, const Query& query) {
     if (kind != LinkKind::kLeaf) {
       if (kCounted) ++query.counters->nodes;
       Siblings met;
-      met.bits = intersect_any_node(ray, kind, data, met.children).bits;
+      met.bits = intersect_any_node<Test>(ray, kind, data, met.children).bits;
       if (met.bits != 0) {
         link = take_first(met);
         prefetch(structure, link);
@@ -224,7 +231,7 @@ bool find_any_hit(const StructureView& structure, const Query& query) {
       }
     } else {
       const auto& leaf = *reinterpret_cast<const LeafHeader*>(data);
-      if (test_leaf<true, kFiltered, kCounted>(structure, ray, leaf, query, found)) return true;
+      if (test_leaf<Test, true, kFiltered, kCounted>(structure, ray, leaf, query, found)) return true;
     }
     if (top == stack) return found;
     Siblings& next = top[-1];
@@ -234,25 +241,26 @@ bool find_any_hit(const StructureView& structure, const Query& query) {
   }
 }
 
+template <typename Test>
 constexpr KernelTable make_kernel_table() {
   return {
       [](const StructureView& s, const Ray& ray, Hit& hit) {
-        return find_closest_hit<false, false>(s, {ray, &hit, nullptr, nullptr});
+        return find_closest_hit<Test, false, false>(s, {ray, &hit, nullptr, nullptr});
       },
       [](const StructureView& s, const Ray& ray, Hit& hit, const HitFilter& filter) {
-        return find_closest_hit<true, false>(s, {ray, &hit, &filter, nullptr});
+        return find_closest_hit<Test, true, false>(s, {ray, &hit, &filter, nullptr});
       },
       [](const StructureView& s, const Ray& ray, Hit& hit, TraversalCounters& counters) {
-        return find_closest_hit<false, true>(s, {ray, &hit, nullptr, &counters});
+        return find_closest_hit<Test, false, true>(s, {ray, &hit, nullptr, &counters});
       },
       [](const StructureView& s, const Ray& ray) {
-        return find_any_hit<false, false>(s, {ray, nullptr, nullptr, nullptr});
+        return find_any_hit<Test, false, false>(s, {ray, nullptr, nullptr, nullptr});
       },
       [](const StructureView& s, const Ray& ray, const HitFilter& filter) {
-        return find_any_hit<true, false>(s, {ray, nullptr, &filter, nullptr});
+        return find_any_hit<Test, true, false>(s, {ray, nullptr, &filter, nullptr});
       },
       [](const StructureView& s, const Ray& ray, TraversalCounters& counters) {
-        return find_any_hit<false, true>(s, {ray, nullptr, nullptr, &counters});
+        return find_any_hit<Test, false, true>(s, {ray, nullptr, nullptr, &counters});
       },
   };
 }

@@ -17,11 +17,15 @@ namespace {
 
 #include "traverse/ray_setup.inl"
 
-#include "traverse/leaf_test.inl"
+#include "traverse/leaf_vertices.inl"
+
+#include "traverse/leaf_watertight.inl"
+
+#include "traverse/leaf_fast.inl"
 
 #include "traverse/traverse.inl"
 }  // namespace
 
-const KernelTable kAvx2Kernels = make_kernel_table();
+const KernelTables kAvx2Kernels = {make_kernel_table<WatertightTest>(), make_kernel_table<FastTest>()};
 
 }  // namespace stbvh

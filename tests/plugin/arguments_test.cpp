@@ -66,6 +66,7 @@ TEST_F(PluginArguments, Null) {
   EXPECT_EQ(stbvhSetMesh(nullptr, 0, &arguments), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhGetMesh(nullptr, 0, &arguments), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhCommitGeometry(nullptr), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(stbvhSetGeometryPrecision(nullptr, STBVH_PRECISION_FAST), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhSetProgressFunction(nullptr, nullptr, nullptr), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhGetGeometry(nullptr), nullptr);
   EXPECT_EQ(stbvhGetMeshCount(nullptr), 0u);

@@ -29,10 +29,22 @@ struct BuildCallbacks {
   std::function<bool(double fraction)> progress;
 };
 
+/// How rays are tested against boxes and triangles.
+enum class Precision {
+  /// A triangle is hit or missed exactly as its interpolated vertices say, edges of neighbours leave no gap,
+  /// and no box hides what the triangle test accepts (Woop, Benthin, Wald 2013; docs/algorithm.md).
+  kWatertight,
+  /// Moeller-Trumbore (1997) in float and unpadded slabs, as renderers commonly do: rays that meet an edge or
+  /// a vertex may slip through, and far from the origin hits are less exact.
+  kFast,
+};
+
 struct BuildSettings {
   /// A leaf over more steps than this keeps vertex indices instead of the vertices (0: every leaf is
   /// indexed).
   std::size_t max_inline_steps = kMaxSteps;
+  /// The tree does not depend on it.
+  Precision precision = Precision::kWatertight;
 };
 
 /// Thrown by build() when a callback returned false; nothing is left behind.

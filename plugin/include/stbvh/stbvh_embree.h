@@ -160,6 +160,18 @@ STBVH_API enum RTCError stbvhGetMesh(StbvhGeometry geometry, unsigned int meshIn
 /** Number of meshes added; 0 for null. */
 STBVH_API unsigned int stbvhGetMeshCount(StbvhGeometry geometry);
 
+/** How rays are tested against boxes and triangles. */
+enum StbvhPrecision {
+  /** No ray slips through an edge or a vertex that triangles of a mesh share, at any scale; the default. */
+  STBVH_PRECISION_WATERTIGHT = 0,
+  /** As Embree's own triangles without RTC_SCENE_FLAG_ROBUST: a little faster (docs/results.md), less exact.
+   */
+  STBVH_PRECISION_FAST = 1
+};
+
+/** Sets the precision from the next commit on; RTC_ERROR_INVALID_ARGUMENT for a value that is not listed. */
+STBVH_API enum RTCError stbvhSetGeometryPrecision(StbvhGeometry geometry, enum StbvhPrecision precision);
+
 /**
  * Sets a function that stbvhCommitGeometry calls with the fraction done, 0 to 1, never decreasing, one call
  * at a time but possibly on a worker thread. Returning false cancels the build. Null (default): none.
