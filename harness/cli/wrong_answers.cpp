@@ -5,14 +5,15 @@
 #include <cstddef>
 #include <string>
 
-namespace stbvh::harness {
+#include "harness/structures/structure_under_test.h"
 
+namespace stbvh::harness {
 void require_right_answers(std::span<const ErrorResult> results) {
   std::size_t total = 0;
   std::string where;
   for (const ErrorResult& r : results) {
     const std::size_t wrong = r.missed + r.false_hits + r.wrong_primitive;
-    if (!r.structure.starts_with("stbvh") || wrong == 0) continue;
+    if (!is_exact(r.structure) || wrong == 0) continue;
     total += wrong;
     where += fmt::format("{}{} on {}, {}: {} missed, {} false, {} wrong primitive", where.empty() ? "" : "; ",
                          r.structure, r.scene, r.rays, r.missed, r.false_hits, r.wrong_primitive);

@@ -13,8 +13,8 @@ struct WrongAnswers : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Throws WrongAnswers if one of our structures (stbvh, stbvh-direct, ...) missed, falsely hit or hit a wrong
-/// primitive beyond rounding in any of `results`. What other structures answer is theirs.
+/// Throws WrongAnswers if a structure that promises exact answers (is_exact()) missed, falsely hit or hit a
+/// wrong primitive beyond rounding in any of `results`. What other structures answer is theirs.
 void require_right_answers(std::span<const ErrorResult> results);
 
 }  // namespace stbvh::harness

@@ -81,6 +81,10 @@ std::string_view structure_description(std::string_view name) {
   throw unknown_structure(name);
 }
 
+bool is_exact(std::string_view name) {
+  return name.starts_with("stbvh") && !name.ends_with("-fast");
+}
+
 std::unique_ptr<StructureUnderTest> build_structure(std::string_view name, const Scene& scene,
                                                     unsigned threads) {
   for (const Entry& entry : kEntries) {

@@ -38,6 +38,9 @@ std::vector<std::string_view> structure_names();
 /// What the structure `name` is, in one line. Throws std::invalid_argument for an unknown name.
 std::string_view structure_description(std::string_view name);
 
+/// Whether that structure promises the exact answer within rounding: ours do, but for the fast precision.
+bool is_exact(std::string_view name);
+
 /// Builds the structure `name` over `scene`, which must outlive it, with `threads` build threads (0: all).
 /// Throws std::invalid_argument for an unknown name.
 std::unique_ptr<StructureUnderTest> build_structure(std::string_view name, const Scene& scene,

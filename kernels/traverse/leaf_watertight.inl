@@ -21,9 +21,8 @@ struct WatertightTest {
   // Boxes -------------------------------------------------------------------------------------------------
 
   /// How far the triangle test may see a vertex from where it is: its translation, interpolation and shear
-  /// each round, relative to the distance of the vertex. Adds up to 10 * 2^-24; rounding of the slab
-  /// distances takes 4 more (docs/algorithm.md). The second term survives the rounding of the sum with the
-  /// origin.
+  /// round by up to 8 * 2^-24 of the distance of the vertex, the slab distances by 3 more (docs/accuracy.md).
+  /// The second term survives the rounding of the sum with the origin.
   static Axes slack(Axes origin, Axes distance) {
     const Axes size = _mm_andnot_ps(_mm_set1_ps(-0.0f), origin);
     return _mm_add_ps(_mm_mul_ps(_mm_set1_ps(0x1p-20f), distance), _mm_mul_ps(_mm_set1_ps(0x1p-22f), size));

@@ -51,7 +51,7 @@ std::vector<JudgedRays> judged_rays(const Scene& scene, const Oracle& oracle) {
 void expect_answers(std::string_view structure, const JudgedRays& set, const ErrorCounts& counts) {
   const std::string where = std::string(structure) + ", " + std::string(ray_kind_name(set.rays.kind));
   const std::size_t wrong = counts.missed + counts.false_hits + counts.wrong_primitive;
-  if (structure.starts_with("stbvh")) {
+  if (is_exact(structure)) {
     EXPECT_EQ(counts.missed, 0u) << where;
     EXPECT_EQ(counts.false_hits, 0u) << where;
     EXPECT_EQ(counts.wrong_primitive, 0u) << where;
