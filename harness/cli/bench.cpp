@@ -1,168 +1,18 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cstdio>
-#include <map>
-
 #include "harness/cli/commands.h"
-#include "harness/cli/pinned_threads.h"
+#include "harness/cli/scene_bench.h"
 #include "harness/cli/session.h"
-#include "harness/cli/trace.h"
 #include "harness/report/table.h"
-#include "harness/structures/memory_estimate.h"
 
 namespace stbvh::harness {
-namespace {
-
-constexpr std::string_view kRatioReference = "embree";
-
-/// Bench of one scene.
-class SceneBench {
- public:
-  SceneBench(const Scene& scene, const Options& options, PinnedThreads& threads, Progress& progress)
-      : scene_(scene), options_(options), threads_(threads), progress_(progress) {}
-
-  void run(Report& report) {
-    std::vector<std::string> names = options_.structures;
-    std::erase(names, kRatioReference);
-    names.insert(names.begin(), std::string(kRatioReference));
-    names = structures_that_fit(names, scene_, kRatioReference);
-    const std::vector<RaySet> rays = make_ray_sets(scene_, options_, progress_);
-    for (const auto& group : groups_in_memory(names)) trace_group(group, rays);
-    build_again(names);
-    print(names, report);
-  }
-
- private:
-  using StructurePtr = std::unique_ptr<StructureUnderTest>;
-
-  /// Structures that are traced against each other must all be in memory; where they do not fit, each group
-  /// has the reference for itself.
-  std::vector<std::vector<std::string>> groups_in_memory(const std::vector<std::string>& names) const {
-    const std::size_t available = available_memory_bytes();
-    std::vector<std::vector<std::string>> groups;
-    std::size_t used = 0;
-    for (const std::string& name : names) {
-      const std::size_t needed = estimate_peak_bytes(name, scene_);
-      if (groups.empty() || used + needed > available) {
-        const bool has_reference = !groups.empty() && names.front() == kRatioReference;
-        groups.push_back(has_reference ? std::vector<std::string>{names.front()}
-                                       : std::vector<std::string>{});
-        used = has_reference ? estimate_peak_bytes(names.front(), scene_) : 0;
-      }
-      groups.back().push_back(name);
-      used += needed;
-    }
-    return groups;
-  }
-
-  StructurePtr build(const std::string& name) {
-    std::vector<BuildRecord>& builds = builds_[name];
-    progress_.stage(fmt::format("{}: building {} ({})", scene_.name, name, builds.size() + 1));
-    StructurePtr structure = build_structure(name, scene_, options_.threads);
-    builds.push_back(structure->build_record());
-    return structure;
-  }
-
-  void trace_group(const std::vector<std::string>& names, const std::vector<RaySet>& rays) {
-    std::vector<StructurePtr> structures;
-    std::vector<const StructureUnderTest*> pointers;
-    for (const std::string& name : names) {
-      structures.push_back(build(name));
-      pointers.push_back(structures.back().get());
-    }
-    for (const RaySet& set : rays) {
-      if (set.rays.empty()) continue;
-      const std::string_view kind = ray_kind_name(set.kind);
-      const TraceTimes times =
-          trace_interleaved(threads_, pointers, set, options_.repeats, [&](std::size_t repeat) {
-            progress_.stage(
-                fmt::format("{}: tracing {}, {} of {}", scene_.name, kind, repeat, options_.repeats));
-          });
-      for (std::size_t s = 0; s < names.size(); ++s) add_speed(names, s, set, times);
-    }
-  }
-
-  void add_speed(const std::vector<std::string>& names, std::size_t s, const RaySet& set,
-                 const TraceTimes& times) {
-    const auto is_known = [&](const SpeedResult& r) {
-      return r.structure == names[s] && r.rays == ray_kind_name(set.kind);
-    };
-    if (std::any_of(speeds_.begin(), speeds_.end(), is_known)) return;  // the reference, in a later group
-    const bool has_reference = names.front() == kRatioReference;
-    std::vector<double> mrays;
-    std::vector<double> ratios;
-    for (std::size_t r = 0; r < options_.repeats; ++r) {
-      mrays.push_back(static_cast<double>(set.rays.size()) / times.seconds[s][r] / 1e6);
-      if (has_reference) ratios.push_back(times.seconds.front()[r] / times.seconds[s][r]);
-    }
-    speeds_.push_back({.scene = scene_.name,
-                       .structure = names[s],
-                       .rays = std::string(ray_kind_name(set.kind)),
-                       .ray_count = set.rays.size(),
-                       .threads = threads_.count(),
-                       .repeats = options_.repeats,
-                       .mrays_per_s = spread_of(mrays),
-                       .ratio_to_embree = has_reference ? std::optional(spread_of(ratios)) : std::nullopt,
-                       .hits = times.hits[s]});
-  }
-
-  /// More builds for the median, all structures in turn, while each one's time lasts.
-  void build_again(const std::vector<std::string>& names) {
-    for (std::size_t round = 1; round < options_.repeats; ++round) {
-      for (const std::string& name : names) {
-        double seconds = 0;
-        for (const BuildRecord& record : builds_[name]) seconds += record.build_s;
-        if (seconds + seconds / static_cast<double>(builds_[name].size()) <= options_.build_budget_s)
-          build(name);
-      }
-    }
-  }
-
-  BuildResult build_result(const std::string& name) const {
-    const std::vector<BuildRecord>& builds = builds_.at(name);
-    std::vector<double> seconds;
-    for (const BuildRecord& record : builds) seconds.push_back(record.build_s);
-    const BuildRecord& first = builds.front();
-    return {.scene = scene_.name,
-            .structure = name,
-            .triangles = scene_.triangle_count(),
-            .primitive_segments = scene_.primitive_segment_count(),
-            .threads = options_.threads,
-            .builds = builds.size(),
-            .build_s = spread_of(seconds),
-            .peak_bytes = first.peak_bytes,
-            .structure_bytes = first.structure_bytes,
-            .monitor_bytes = first.monitor_bytes,
-            .total_bytes = first.structure_bytes + scene_.buffer_bytes(),
-            .resident_bytes = first.resident_bytes};
-  }
-
-  void print(const std::vector<std::string>& names, Report& report) const {
-    std::vector<BuildResult> builds;
-    for (const std::string& name : names) builds.push_back(build_result(name));
-    progress_.clear();
-    fmt::print("{}\n{}", build_table(builds), speed_table(speeds_));
-    report.builds.insert(report.builds.end(), builds.begin(), builds.end());
-    report.speeds.insert(report.speeds.end(), speeds_.begin(), speeds_.end());
-  }
-
-  const Scene& scene_;
-  const Options& options_;
-  PinnedThreads& threads_;
-  Progress& progress_;
-  std::map<std::string, std::vector<BuildRecord>> builds_;
-  std::vector<SpeedResult> speeds_;
-};
-
-}  // namespace
 
 void run_bench(const Options& options) {
   Progress progress;
   Report report;
   PinnedThreads threads(options.threads);
   for_each_scene(options, progress, report,
-                 [&](const Scene& scene) { SceneBench(scene, options, threads, progress).run(report); });
+                 [&](const Scene& scene) { bench_scene(scene, options, threads, progress, report); });
   progress.clear();
   fmt::print("{}", speed_summary(report));
 }
