@@ -68,7 +68,8 @@ struct Plane {
 /// The point found, X = T direction, is held against the true plane: T is wrong by n . (q_0 - X) / (n .
 /// direction), all three true ones. The normal n is wrong by less than turn(error) / 2, with the cross
 /// product's own 4 e |e1| |e2|; q_0 - X by less than error / 2; the quotient T leaves n . (q_0 - X) within
-/// 15 e |n| |q| of 0. Half of the bound below suffices for that.
+/// 15 e |n| |q| of 0, as |T| <= 2 |q| (else nothing is said). About half of the bound suffices for these; the
+/// rest bears the bound's own roundings, and those of dividing the interval by the direction's length.
 std::optional<Interval> certain_depth(const std::array<Vec3, 3>& q, Vec3 direction, const Plane& plane,
                                       double error);
 

@@ -4,9 +4,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <vector>
 
+#include "harness/oracle/oracle.h"
 #include "harness/oracle/triangle_test.h"
 #include "tests/harness/test_scenes.h"
 
@@ -50,10 +55,11 @@ RationalVec3 rational_position(const Mesh& mesh, std::uint32_t vertex, float tim
 }
 
 /// o + t d = p0 + u e1 + v e2 by Cramer's rule.
-RationalHit rational_hit(const Ray& ray, const Mesh& mesh) {
-  const RationalVec3 p0 = rational_position(mesh, mesh.indices[0], ray.time);
-  const RationalVec3 e1 = minus(rational_position(mesh, mesh.indices[1], ray.time), p0);
-  const RationalVec3 e2 = minus(rational_position(mesh, mesh.indices[2], ray.time), p0);
+RationalHit rational_hit(const Ray& ray, const Mesh& mesh, std::size_t prim = 0) {
+  const std::uint32_t* index = &mesh.indices[3 * prim];
+  const RationalVec3 p0 = rational_position(mesh, index[0], ray.time);
+  const RationalVec3 e1 = minus(rational_position(mesh, index[1], ray.time), p0);
+  const RationalVec3 e2 = minus(rational_position(mesh, index[2], ray.time), p0);
   const RationalVec3 s = minus(rational(ray.origin), p0);
   const RationalVec3 d = rational(ray.direction);
   const RationalVec3 h = cross_of(d, e2);
@@ -188,6 +194,40 @@ TEST(ExactTriangle, AgreesWithRationalArithmeticWhereverDoubleDecides) {
   }
   EXPECT_GT(needed_exact, tests / 10);
   EXPECT_GT(tests - needed_exact, tests / 10);
+}
+
+TEST(ExactTriangle, OracleFindsTheNearestOfAll) {
+  const Scene scene = mixed_step_scene(40);
+  const Oracle oracle(scene);
+  Pcg32 random(13);
+  std::size_t at_corner = 0;
+  for (int i = 0; i < 300; ++i) {
+    // At a corner, along an axis: the ray passes through it exactly.
+    const Mesh& target = scene.meshes[random.next() % scene.meshes.size()];
+    const std::size_t step = random.next() % target.steps.size();
+    const Vec3f corner = target.steps[step][random.next() % target.steps[step].size()];
+    Ray ray = ray_along_z(corner.x, corner.y, i % 2 == 0 ? 0.5f : static_cast<float>(random.uniform()));
+    ray.origin.z = -10;
+    std::vector<OraclePrimitive> nearest;
+    std::optional<mpq_class> least;
+    for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
+      if (!is_visible_at(scene.meshes[m], ray.time)) continue;
+      for (std::uint32_t prim = 0; prim < scene.meshes[m].triangle_count(); ++prim) {
+        const RationalHit hit = rational_hit(ray, scene.meshes[m], prim);
+        if (!hit.is_covered || !hit.is_beyond(ray.tnear) || hit.is_beyond(ray.tfar)) continue;
+        if (least && hit.t > *least) continue;
+        if (!least || hit.t < *least) nearest.clear();
+        least = hit.t;
+        nearest.push_back({m, prim});
+      }
+    }
+    const OracleAnswer answer = oracle.answer(ray);
+    ASSERT_EQ(answer.nearest, nearest);
+    ASSERT_EQ(answer.is_hit, least.has_value());
+    if (least) expect_nearest_double(answer.t, *least);
+    at_corner += answer.is_hit && answer.edge_distance_ulps < 1e-6 ? 1 : 0;
+  }
+  EXPECT_GT(at_corner, 20u);
 }
 
 TEST(ExactTriangle, OrdersTrianglesByT) {
