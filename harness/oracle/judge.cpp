@@ -19,8 +19,8 @@ Verdict judge_occlusion(const OracleAnswer& answer, const HitRecord& hit) {
 
 Verdict judge_hit(const Oracle& oracle, const Ray& ray, const OracleAnswer& answer, const HitRecord& hit) {
   if (!hit.is_hit()) return judge_miss(answer);
-  const bool is_same = hit.geom_id == answer.geom_id && hit.prim_id == answer.prim_id;
-  if (answer.is_hit && is_same) return Verdict::kAgrees;
+  const OraclePrimitive reported{hit.geom_id, hit.prim_id};
+  if (std::binary_search(answer.nearest.begin(), answer.nearest.end(), reported)) return Verdict::kAgrees;
   const auto test = oracle.test(ray, hit.geom_id, hit.prim_id);
   if (!test || !test->is_possible) return Verdict::kFalseHit;
   if (test->t_lower > answer.certain_t_upper) return Verdict::kWrongPrimitive;

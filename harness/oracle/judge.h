@@ -29,7 +29,7 @@ struct ErrorCounts {
   std::size_t missed = 0;           ///< nothing reported, though something is hit however things move
   std::size_t false_hits = 0;       ///< a triangle reported that is not hit within rounding
   std::size_t wrong_primitive = 0;  ///< a triangle reported beyond one that is hit however things move
-  std::size_t ties = 0;             ///< another triangle than the exact one, at the same t within rounding
+  std::size_t ties = 0;             ///< another triangle than the nearest ones, at the same t within rounding
   std::size_t within_rounding = 0;  ///< other differences at rays whose exact answer changes within rounding
 
   std::size_t oracle_hits = 0;  ///< rays with an exact hit

@@ -4,6 +4,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <utility>
+
+#include "harness/oracle/exact_triangle.h"
 
 namespace stbvh::harness {
 namespace {
@@ -17,7 +22,8 @@ class Collector {
  public:
   double limit() const { return answer_.certain_t_upper; }
 
-  void add(const TriangleTest& test, std::uint32_t geom_id, std::uint32_t prim_id) {
+  void add(const TriangleTest& test, OraclePrimitive primitive) {
+    if (test.needed_exact) ++answer_.exact_triangles;
     if (!test.is_possible) return;
     answer_.is_possible = true;
     if (test.is_certain) {
@@ -25,24 +31,13 @@ class Collector {
     } else {
       uncertain_.push_back(test);
     }
-    if (!test.is_inside) return;
-    hits_.push_back(test);
-    const bool is_nearer =
-        !answer_.is_hit || test.t < answer_.t ||
-        (test.t == answer_.t && std::pair(geom_id, prim_id) < std::pair(answer_.geom_id, answer_.prim_id));
-    if (!is_nearer) return;
-    answer_.is_hit = true;
-    answer_.t = test.t;
-    answer_.t_lower = test.t_lower;
-    answer_.t_upper = test.t_upper;
-    answer_.geom_id = geom_id;
-    answer_.prim_id = prim_id;
-    answer_.edge_distance_ulps = test.edge_distance_ulps();
+    if (test.is_inside) hits_.push_back({primitive, test});
   }
 
-  OracleAnswer finish() {
+  OracleAnswer finish(const Scene& scene, const Ray& ray) {
+    if (!hits_.empty()) find_nearest(scene, ray);
     const double tie_limit = std::min(answer_.t_upper, answer_.certain_t_upper);
-    for (const TriangleTest& test : hits_) {
+    for (const auto& [primitive, test] : hits_) {
       if (test.t_lower <= tie_limit && test.t_upper >= answer_.t_lower) ++answer_.ties;
     }
     if (answer_.is_hit) --answer_.ties;  // itself
@@ -51,12 +46,49 @@ class Collector {
       answer_.is_near_edge = true;
       answer_.edge_distance_ulps = std::min(answer_.edge_distance_ulps, std::abs(test.edge_distance_ulps()));
     }
-    return answer_;
+    return std::move(answer_);
   }
 
  private:
+  struct Hit {
+    OraclePrimitive primitive;
+    TriangleTest test;
+  };
+
+  void find_nearest(const Scene& scene, const Ray& ray) {
+    double limit = std::numeric_limits<double>::infinity();
+    for (const Hit& hit : hits_) limit = std::min(limit, hit.test.exact_t.upper);
+    std::vector<Hit> candidates;
+    std::copy_if(hits_.begin(), hits_.end(), std::back_inserter(candidates),
+                 [&](const Hit& hit) { return hit.test.exact_t.lower <= limit; });
+    std::sort(candidates.begin(), candidates.end(),
+              [](const Hit& a, const Hit& b) { return a.primitive < b.primitive; });
+    std::optional<ExactTriangle> least;
+    const Hit* first = nullptr;
+    for (const Hit& hit : candidates) {
+      ExactTriangle exact(ray, scene.meshes[hit.primitive.geom_id], hit.primitive.prim_id);
+      const int order = least ? exact.compare_t(*least) : -1;
+      if (order < 0) {
+        least = std::move(exact);
+        first = &hit;
+        answer_.nearest.clear();
+      }
+      if (order <= 0) answer_.nearest.push_back(hit.primitive);
+      if (candidates.size() > 1 && !hit.test.needed_exact) ++answer_.exact_triangles;
+    }
+    answer_.is_hit = true;
+    answer_.geom_id = first->primitive.geom_id;
+    answer_.prim_id = first->primitive.prim_id;
+    answer_.t = least->t();
+    answer_.u = least->u();
+    answer_.v = least->v();
+    answer_.t_lower = first->test.t_lower;
+    answer_.t_upper = first->test.t_upper;
+    answer_.edge_distance_ulps = first->test.edge_distance_ulps();
+  }
+
   OracleAnswer answer_;
-  std::vector<TriangleTest> hits_;
+  std::vector<Hit> hits_;
   std::vector<TriangleTest> uncertain_;
 };
 
@@ -73,6 +105,7 @@ OracleAnswer Oracle::answer(const Ray& ray) const {
     std::uint32_t mesh;
     TriangleMotion motion;
   };
+  if (!is_answerable(ray)) return {};
   const OracleRay r(ray);
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < scene_.meshes.size(); ++i) {
@@ -91,10 +124,10 @@ OracleAnswer Oracle::answer(const Ray& ray) const {
     culls_[c.mesh].visit(
         r, c.motion, [&] { return collector.limit(); },
         [&](std::uint32_t prim) {
-          collector.add(test_triangle(r, scene_.meshes[c.mesh], prim, c.motion), c.mesh, prim);
+          collector.add(test_triangle(r, scene_.meshes[c.mesh], prim, c.motion), {c.mesh, prim});
         });
   }
-  return collector.finish();
+  return collector.finish(scene_, ray);
 }
 
 std::vector<OracleAnswer> Oracle::answers(std::span<const Ray> rays) const {
@@ -108,7 +141,8 @@ std::vector<OracleAnswer> Oracle::answers(std::span<const Ray> rays) const {
 std::optional<TriangleTest> Oracle::test(const Ray& ray, std::uint32_t geom_id, std::uint32_t prim_id) const {
   if (geom_id >= scene_.meshes.size()) return std::nullopt;
   const Mesh& mesh = scene_.meshes[geom_id];
-  if (prim_id >= mesh.triangle_count() || !can_hit(ray, mesh) || !is_valid_triangle(mesh, prim_id)) {
+  if (!is_answerable(ray) || prim_id >= mesh.triangle_count() || !can_hit(ray, mesh) ||
+      !is_valid_triangle(mesh, prim_id)) {
     return std::nullopt;
   }
   return test_triangle(OracleRay(ray), mesh, prim_id, triangle_motion(mesh, ray.time));

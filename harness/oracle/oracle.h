@@ -1,6 +1,8 @@
-/// The truth: brute force in double precision over all triangles of a scene.
+/// The truth: each ray against all triangles of a scene, in exact arithmetic where double precision cannot
+/// tell.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -14,14 +16,23 @@
 
 namespace stbvh::harness {
 
-struct OracleAnswer {
-  bool is_hit = false;  ///< the exact answer, with the following four
-  double t = 0;
-  double t_lower = 0, t_upper = 0;  ///< what t can become within rounding
+struct OraclePrimitive {
   std::uint32_t geom_id = kInvalidId;
   std::uint32_t prim_id = kInvalidId;
 
-  std::uint32_t ties = 0;    ///< other exact hits whose t is the same within rounding
+  auto operator<=>(const OraclePrimitive&) const = default;
+};
+
+struct OracleAnswer {
+  bool is_hit = false;  ///< the exact answer: some triangle is hit at tnear < t <= tfar
+  /// All triangles that are hit at the least t there is, ascending; empty for a miss.
+  std::vector<OraclePrimitive> nearest;
+  std::uint32_t geom_id = kInvalidId;  ///< of the first of them, as are the following
+  std::uint32_t prim_id = kInvalidId;
+  double t = 0, u = 0, v = 0;       ///< the doubles nearest to the exact values; Embree's barycentrics
+  double t_lower = 0, t_upper = 0;  ///< what t can become within rounding
+
+  std::uint32_t ties = 0;    ///< other hits whose t is the same within rounding
   bool is_possible = false;  ///< some movement within rounding hits something
   /// The nearest hit that stays one however things move is not farther than this; infinite: there is none.
   double certain_t_upper = std::numeric_limits<double>::infinity();
@@ -32,6 +43,9 @@ struct OracleAnswer {
   /// or missed otherwise: the nearest hit's, or one passed within rounding before it. Infinite for a ray near
   /// nothing.
   double edge_distance_ulps = std::numeric_limits<double>::infinity();
+
+  /// Triangles for which double precision could not tell whether, or before which other, they are hit.
+  std::uint32_t exact_triangles = 0;
 
   bool is_certain() const { return certain_t_upper < std::numeric_limits<double>::infinity(); }
 };
@@ -50,7 +64,7 @@ class Oracle {
   std::vector<OracleAnswer> answers(std::span<const Ray> rays) const;
 
   /// One triangle of the scene against `ray`; empty where that triangle does not exist, is invalid, or cannot
-  /// be hit by the ray because of its time or mask.
+  /// be hit by the ray because of its time or mask, or because the ray hits nothing at all.
   std::optional<TriangleTest> test(const Ray& ray, std::uint32_t geom_id, std::uint32_t prim_id) const;
 
  private:

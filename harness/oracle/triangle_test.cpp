@@ -3,30 +3,29 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+
+#include "harness/oracle/exact_triangle.h"
 
 namespace stbvh::harness {
 namespace {
 
-struct Point2 {
-  double x, y;
-};
-
-Point2 operator-(Point2 a, Point2 b) {
-  return {a.x - b.x, a.y - b.y};
-}
-double cross2(Point2 a, Point2 b) {
-  return a.x * b.y - a.y * b.x;
-}
 double length2(Point2 a) {
   return std::sqrt(a.x * a.x + a.y * a.y);
 }
 
-/// Distance of the origin from the line segment a b.
-double distance_to_edge(Point2 a, Point2 b) {
-  const Point2 e = b - a;
+/// The point of the line segment a b that is nearest to the origin.
+Point2 nearest_on_edge(Point2 a, Point2 b) {
+  const Point2 e{b.x - a.x, b.y - a.y};
   const double squared = e.x * e.x + e.y * e.y;
   const double along = squared > 0 ? std::clamp(-(a.x * e.x + a.y * e.y) / squared, 0.0, 1.0) : 0.0;
-  return length2({a.x + along * e.x, a.y + along * e.y});
+  return {a.x + along * e.x, a.y + along * e.y};
+}
+
+/// The point of the triangle's edges that is nearest to the origin.
+Point2 nearest_on_edges(const std::array<Point2, 3>& s) {
+  return std::min({nearest_on_edge(s[0], s[1]), nearest_on_edge(s[1], s[2]), nearest_on_edge(s[2], s[0])},
+                  [](Point2 a, Point2 b) { return a.x * a.x + a.y * a.y < b.x * b.x + b.y * b.y; });
 }
 
 /// How far a corner can move, as seen from the ray.
@@ -49,46 +48,107 @@ double movement(const OracleRay& ray, const Mesh& mesh, std::size_t prim, const 
   return kRoundingUlps * kUlp * (magnitude + ray.origin_length + reach) + motion.time_movement * fastest;
 }
 
-/// Fills t and what it can become when the corners `q` move by `test.rounding`.
-void find_t(const OracleRay& ray, const std::array<Vec3, 3>& q, TriangleTest& test) {
-  const std::array<double, 3> depth{dot(q[0], ray.direction), dot(q[1], ray.direction),
-                                    dot(q[2], ray.direction)};
-  const auto [nearest, farthest] = std::minmax_element(depth.begin(), depth.end());
-  const double r = test.rounding;
-  double lower = *nearest - r;
-  double upper = *farthest + r;
-  if (test.is_inside) {
-    const Vec3 e1 = q[1] - q[0];
-    const Vec3 e2 = q[2] - q[0];
-    const Vec3 n = cross(e1, e2);
-    const double facing = dot(n, ray.direction);
-    const double t = facing != 0 ? dot(n, q[0]) / facing : *nearest;
-    test.t = std::clamp(t, *nearest, *farthest) / ray.direction_length;
-    // Edges move by at most 2 r, and with them the normal; the plane moves by r along it.
-    const double turn = 2 * r * (length(e1) + length(e2)) + 4 * r * r;
-    if (std::abs(facing) > turn) {
-      const double shift = r * (length(n) + turn) / (std::abs(facing) - turn);
-      lower = std::max(lower, test.t * ray.direction_length - shift);
-      upper = std::min(upper, test.t * ray.direction_length + shift);
+/// One triangle as seen along a ray; asks exact arithmetic where double precision cannot tell.
+class SeenTriangle {
+ public:
+  SeenTriangle(const OracleRay& ray, const Mesh& mesh, std::size_t prim, const TriangleMotion& motion)
+      : ray_(ray), mesh_(mesh), prim_(prim), q_(triangle_at(mesh, prim, motion.sample)) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      q_[c] = q_[c] - ray.origin;
+      across_[c] = {dot(q_[c], ray.across_x), dot(q_[c], ray.across_y)};
     }
+    nearest_ = nearest_on_edges(across_);
+    rounding_ = movement(ray, mesh, prim, motion, q_);
   }
-  const double scale = kRoundingUlps * kUlp;  // the length of the direction moves too
-  test.t_lower = (lower - scale * std::abs(lower)) / ray.direction_length;
-  test.t_upper = (upper + scale * std::abs(upper)) / ray.direction_length;
-}
+
+  double rounding() const { return rounding_; }
+  double edge_distance() const { return length2(nearest_); }
+  bool needed_exact() const { return exact_.has_value(); }
+
+  /// Whether the ray's line meets it in one point. The next two need this.
+  bool is_covered() {
+    const Covering covering = certain_covering(across_, nearest_, kDoubleError * rounding_);
+    return covering == Covering::kUnknown ? exact().is_covered() : covering == Covering::kInside;
+  }
+
+  /// Sets `is_inside` and `exact_t`.
+  void find_hit(TriangleTest& test) {
+    if (const auto depth = certain_depth(q_, ray_.direction, plane(), kDoubleError * rounding_)) {
+      test.exact_t = {depth->lower / ray_.direction_length, depth->upper / ray_.direction_length};
+      test.is_inside = test.exact_t.lower > ray_.tnear && test.exact_t.upper <= ray_.tfar;
+      const bool is_beyond = test.exact_t.upper <= ray_.tnear || test.exact_t.lower > ray_.tfar;
+      if (test.is_inside || is_beyond) return;
+    }
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    const double t = exact().t();
+    test.exact_t = {std::nextafter(t, -kInfinity), std::nextafter(t, kInfinity)};
+    test.is_inside = exact().compare_t(ray_.given.tnear) > 0 && exact().compare_t(ray_.given.tfar) <= 0;
+  }
+
+  /// Sets what t can become when the corners move by `rounding`, around the middle of `exact_t` if it is
+  /// covered.
+  void find_t_bounds(bool is_covered, TriangleTest& test) {
+    const std::array<double, 3> depth{dot(q_[0], ray_.direction), dot(q_[1], ray_.direction),
+                                      dot(q_[2], ray_.direction)};
+    const auto [nearest, farthest] = std::minmax_element(depth.begin(), depth.end());
+    double lower = *nearest - rounding_;
+    double upper = *farthest + rounding_;
+    // With the edges the normal moves; the plane moves by `rounding` along it.
+    const double turn = plane().turn(rounding_);
+    const double facing = std::abs(plane().facing);
+    if (is_covered && facing > turn) {
+      const double shift = rounding_ * (length(plane().normal) + turn) / (facing - turn);
+      const double middle = (test.exact_t.lower + test.exact_t.upper) / 2 * ray_.direction_length;
+      lower = std::max(lower, middle - shift);
+      upper = std::min(upper, middle + shift);
+    }
+    const double scale = kRoundingUlps * kUlp;  // the length of the direction moves too
+    test.t_lower = (lower - scale * std::abs(lower)) / ray_.direction_length;
+    test.t_upper = (upper + scale * std::abs(upper)) / ray_.direction_length;
+  }
+
+ private:
+  const ExactTriangle& exact() {
+    if (!exact_) exact_.emplace(ray_.given, mesh_, prim_);
+    return *exact_;
+  }
+  const Plane& plane() {
+    if (!plane_) plane_.emplace(q_, ray_.direction);
+    return *plane_;
+  }
+
+  const OracleRay& ray_;
+  const Mesh& mesh_;
+  std::size_t prim_;
+  std::array<Vec3, 3> q_;  ///< corners as seen from the origin
+  std::array<Point2, 3> across_;
+  Point2 nearest_;
+  double rounding_ = 0;
+  std::optional<Plane> plane_;
+  std::optional<ExactTriangle> exact_;
+};
 
 }  // namespace
 
 OracleRay::OracleRay(const Ray& ray)
-    : origin(to_double(ray.origin)),
+    : given(ray),
+      origin(to_double(ray.origin)),
       direction(normalize(to_double(ray.direction))),
       across_x(perpendicular(direction)),
       across_y(cross(direction, across_x)),
       direction_length(length(to_double(ray.direction))),
       origin_length(length(origin)),
       tnear(ray.tnear),
-      tfar(ray.tfar),
-      time(ray.time) {}
+      tfar(ray.tfar) {}
+
+bool is_answerable(const Ray& ray) {
+  const auto is_finite = [](Vec3f p) {
+    return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+  };
+  const Vec3f d = ray.direction;
+  return is_finite(ray.origin) && is_finite(d) && (d.x != 0 || d.y != 0 || d.z != 0) &&
+         std::isfinite(ray.time) && !std::isnan(ray.tnear) && !std::isnan(ray.tfar);
+}
 
 TriangleMotion triangle_motion(const Mesh& mesh, float time) {
   TriangleMotion motion;
@@ -109,29 +169,19 @@ TriangleMotion triangle_motion(const Mesh& mesh, float time) {
 
 TriangleTest test_triangle(const OracleRay& ray, const Mesh& mesh, std::size_t prim,
                            const TriangleMotion& motion) {
-  std::array<Vec3, 3> q = triangle_at(mesh, prim, motion.sample);
-  std::array<Point2, 3> s{};
-  for (std::size_t c = 0; c < 3; ++c) {
-    q[c] = q[c] - ray.origin;
-    s[c] = {dot(q[c], ray.across_x), dot(q[c], ray.across_y)};
-  }
+  SeenTriangle triangle(ray, mesh, prim, motion);
   TriangleTest test;
-  test.rounding = movement(ray, mesh, prim, motion, q);
-  const double u = cross2(s[1], s[2]);
-  const double v = cross2(s[2], s[0]);
-  const double w = cross2(s[0], s[1]);
-  const bool is_around = (u >= 0 && v >= 0 && w >= 0) || (u <= 0 && v <= 0 && w <= 0);
-  const bool covers = is_around && u + v + w != 0;
-  const double distance =
-      std::min({distance_to_edge(s[0], s[1]), distance_to_edge(s[1], s[2]), distance_to_edge(s[2], s[0])});
-  test.edge_distance = covers ? distance : -distance;
-  if (!covers && distance > test.rounding) return test;
-  test.is_inside = covers;
-  find_t(ray, q, test);
-  test.is_inside = covers && test.t > ray.tnear && test.t <= ray.tfar;
+  test.rounding = triangle.rounding();
+  const bool is_covered = triangle.is_covered();
+  const double distance = triangle.edge_distance();
+  test.edge_distance = is_covered ? distance : -distance;
+  if (is_covered) triangle.find_hit(test);
+  test.needed_exact = triangle.needed_exact();
+  if (!is_covered && distance > test.rounding) return test;
+  triangle.find_t_bounds(is_covered, test);
   test.is_certain =
-      covers && distance > test.rounding && test.t_lower > ray.tnear && test.t_upper <= ray.tfar;
-  test.is_possible = test.t_upper > ray.tnear && test.t_lower <= ray.tfar;
+      test.is_inside && distance > test.rounding && test.t_lower > ray.tnear && test.t_upper <= ray.tfar;
+  test.is_possible = test.is_inside || (test.t_upper > ray.tnear && test.t_lower <= ray.tfar);
   return test;
 }
 

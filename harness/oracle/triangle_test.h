@@ -1,4 +1,8 @@
-/// One ray against one triangle in double precision, and how sure the answer is.
+/// One ray against one triangle: the exact answer, and how far it is from changing.
+///
+/// Exact: vertices, time and ray are floats, so whether the triangle is hit and at which t are well-defined.
+/// The triangle is closed; a hit is one point of it with tnear < t <= tfar. Double precision decides where it
+/// is certain (triangle_filter.h), integers of any length elsewhere (exact_triangle.h).
 ///
 /// "Within rounding" has one meaning for all structures: the exact answer changes when the ray's origin and
 /// direction, its time and the vertices move by at most kRoundingUlps units in the last place (2^-23 of each
@@ -23,6 +27,7 @@
 
 #include <array>
 
+#include "harness/oracle/triangle_filter.h"
 #include "harness/rays/moving_triangle.h"
 #include "harness/rays/ray_set.h"
 #include "harness/scenes/procedural/mesh_tools.h"
@@ -32,18 +37,22 @@ namespace stbvh::harness {
 inline constexpr double kRoundingUlps = 3;
 inline constexpr double kUlp = 0x1p-23;
 
-/// A ray in double, with a frame across it.
+/// A ray in double, with a frame across it. Meaningless unless the ray can hit anything at all.
 struct OracleRay {
   explicit OracleRay(const Ray& ray);
 
+  Ray given;
   Vec3 origin;
   Vec3 direction;  ///< unit
   Vec3 across_x, across_y;
   double direction_length;  ///< of the ray's own direction: t is in its units
   double origin_length;
   double tnear, tfar;
-  float time;
 };
+
+/// Whether `ray` can hit anything: origin, direction and time are finite, the direction is not zero, no end
+/// of its interval is NaN.
+bool is_answerable(const Ray& ray);
 
 /// What can move a triangle of a mesh at the ray's time.
 struct TriangleMotion {
@@ -57,9 +66,10 @@ TriangleMotion triangle_motion(const Mesh& mesh, float time);
 
 struct TriangleTest {
   bool is_inside = false;           ///< the exact answer
+  bool needed_exact = false;        ///< double precision could not tell
   bool is_certain = false;          ///< a hit however things move
   bool is_possible = false;         ///< a hit for some movement
-  double t = 0;                     ///< of the exact hit, where is_inside
+  Interval exact_t;                 ///< the exact hit's t lies in it, where is_inside
   double t_lower = 0, t_upper = 0;  ///< what t can become
   double edge_distance = 0;         ///< to the nearest edge across the ray, negative outside
   double rounding = 0;              ///< r above
@@ -68,7 +78,8 @@ struct TriangleTest {
   double edge_distance_ulps() const { return edge_distance / rounding * kRoundingUlps; }
 };
 
-/// Tests triangle `prim`, which is valid, of `mesh`, which is visible at the ray's time.
+/// Tests triangle `prim`, which is valid, of `mesh`, which is visible at the time of the ray, which is
+/// answerable.
 TriangleTest test_triangle(const OracleRay& ray, const Mesh& mesh, std::size_t prim,
                            const TriangleMotion& motion);
 

@@ -12,6 +12,7 @@ namespace stbvh::harness {
 namespace {
 
 constexpr std::array<Vec3f, 3> kAtZ0{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}};
+constexpr std::array<Vec3f, 3> kHairBehindZ0{{{0, 0, 1e-8f}, {1, 0, 1e-8f}, {0, 1, 1e-8f}}};
 constexpr std::array<Vec3f, 3> kAtZ2{{{0, 0, 2}, {1, 0, 2}, {0, 1, 2}}};
 constexpr std::array<Vec3f, 3> kAtZ4{{{0, 0, 4}, {1, 0, 4}, {0, 1, 4}}};
 
@@ -124,13 +125,15 @@ class Judge : public ::testing::Test {
   }
 
   static constexpr HitRecord kMiss{100, kInvalidId, kInvalidId};
-  const Scene scene_ = scene_of({one_triangle({kAtZ0}), one_triangle({kAtZ0}), one_triangle({kAtZ2})});
+  const Scene scene_ = scene_of(
+      {one_triangle({kAtZ0}), one_triangle({kAtZ0}), one_triangle({kAtZ2}), one_triangle({kHairBehindZ0})});
   const Oracle oracle_{scene_};
 };
 
 TEST_F(Judge, ClosestHits) {
   EXPECT_EQ(verdict(0.25f, {1, 0, 0}), Verdict::kAgrees);
-  EXPECT_EQ(verdict(0.25f, {1, 1, 0}), Verdict::kTie);
+  EXPECT_EQ(verdict(0.25f, {1, 1, 0}), Verdict::kAgrees);
+  EXPECT_EQ(verdict(0.25f, {1, 3, 0}), Verdict::kTie);
   EXPECT_EQ(verdict(0.25f, {3, 2, 0}), Verdict::kWrongPrimitive);
   EXPECT_EQ(verdict(0.25f, kMiss), Verdict::kMissed);
   EXPECT_EQ(verdict(0.25f, {1, 0, 7}), Verdict::kFalseHit);
@@ -167,8 +170,9 @@ void expect_cull_changes_nothing(const Scene& scene, std::size_t count) {
     for (std::size_t i = 0; i < a.size(); ++i) {
       ASSERT_EQ(a[i].is_hit, b[i].is_hit);
       ASSERT_EQ(a[i].t, b[i].t);
-      ASSERT_EQ(a[i].geom_id, b[i].geom_id);
-      ASSERT_EQ(a[i].prim_id, b[i].prim_id);
+      ASSERT_EQ(a[i].nearest, b[i].nearest);
+      ASSERT_EQ(a[i].u, b[i].u);
+      ASSERT_EQ(a[i].v, b[i].v);
       ASSERT_EQ(a[i].ties, b[i].ties);
       ASSERT_EQ(a[i].is_possible, b[i].is_possible);
       ASSERT_EQ(a[i].certain_t_upper, b[i].certain_t_upper);
