@@ -15,6 +15,7 @@
 #include "harness/rays/ray_generator.h"
 #include "harness/scenes/procedural/procedural.h"
 #include "harness/structures/structure_under_test.h"
+#include "tests/hard_cases/hard_case.h"
 
 namespace stbvh::harness {
 namespace {
@@ -32,6 +33,8 @@ void run(const Options& options) {
       return run_bench(options);
     case Command::kError:
       return run_error(options);
+    case Command::kHard:
+      return run_hard(options);
     case Command::kPicture:
       return run_picture(options);
   }
@@ -50,6 +53,9 @@ void run_list() {
   }
   fmt::print("rays\n");
   for (RayKind kind : ray_kinds()) fmt::print("  {}\n", ray_kind_name(kind));
+  fmt::print("families of hard cases\n");
+  for (const HardFamily& family : hard_families())
+    fmt::print("  {:<24} {}\n", family.name, family.description);
 }
 
 void run_picture(const Options& options) {

@@ -9,11 +9,13 @@ void run_list();
 void run_bench(const Options& options);
 /// Throws WrongAnswers, after the tables and the records, where a structure of ours was wrong.
 void run_error(const Options& options);
+/// Throws WrongAnswers as run_error does.
+void run_hard(const Options& options);
 void run_picture(const Options& options);
 
 /// The whole program: runs the command of a command line, prints one line on stderr for what cannot be done.
 /// Returns the exit code: 0 done; 2 the user asked for what cannot be done; 1 it went wrong,
-/// or error found one of our structures to be wrong.
+/// or error or hard found one of our structures to be wrong.
 int run_program(int argc, const char* const* argv);
 
 }  // namespace stbvh::harness

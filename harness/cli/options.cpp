@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 
@@ -14,12 +15,18 @@
 #include "harness/rays/ray_generator.h"
 #include "harness/report/machine.h"
 #include "harness/structures/structure_under_test.h"
+#include "tests/hard_cases/hard_case.h"
 
 namespace stbvh::harness {
 namespace {
 
 constexpr double kLargestScale = 4;
 constexpr std::size_t kMostRepeats = 10'000;
+/// What `hard` compares where it is not told: ours in every layout and instruction set, Embree's in every
+/// precision.
+constexpr std::array<std::string_view, 7> kHardStructures{
+    "stbvh-direct", "stbvh-direct-indexed", "stbvh-direct-scalar", "stbvh", "embree", "embree-robust",
+    "embree-4v"};
 constexpr std::size_t kMostRays = 100'000'000;
 
 /// What the command line holds, before it is checked.
@@ -48,18 +55,22 @@ void add_scene_options(CLI::App& app, Arguments& a) {
   app.add_option("--steps", a.options.gltf.steps, "glTF: steps of each moving mesh")->capture_default_str();
 }
 
-void add_trace_options(CLI::App& app, Arguments& a, std::size_t default_count) {
+void add_common_options(CLI::App& app, Arguments& a, const std::string& default_structures) {
   app.add_option("--structures", a.options.structures,
                  "Names of structures (see list), or all; separated by commas")
       ->delimiter(',')
-      ->default_str("all");
+      ->default_str(default_structures);
+  app.add_option("--threads", a.options.threads, "Threads, each pinned to a core; also of the builds")
+      ->default_str("all cores");
+  app.add_option("--json", a.json, "File for the records");
+}
+
+void add_trace_options(CLI::App& app, Arguments& a, std::size_t default_count) {
+  add_common_options(app, a, "all");
   app.add_option("--rays", a.rays, "primary, bounce, uniform, shadow, bounce-occluded, uniform-occluded")
       ->delimiter(',')
       ->capture_default_str();
   app.add_option("--count", a.options.count, "Rays of each kind")->default_str(std::to_string(default_count));
-  app.add_option("--threads", a.options.threads, "Threads, each pinned to a core; also of the builds")
-      ->default_str("all cores");
-  app.add_option("--json", a.json, "File for the records");
 }
 
 std::optional<double> parse_number(std::string_view text) {
@@ -118,6 +129,24 @@ void check_structures(Options& o) {
   o.structures = std::move(chosen);
 }
 
+void check_families(Options& o) {
+  std::vector<std::string_view> known;
+  for (const HardFamily& family : hard_families()) known.push_back(family.name);
+  for (const std::string& name : o.families) {
+    if (name != "all" && find_hard_family(name) == nullptr) {
+      throw UsageError(unknown_name("family", name, known));
+    }
+  }
+  const auto is_asked = [&](std::string_view name) {
+    return std::find(o.families.begin(), o.families.end(), name) != o.families.end();
+  };
+  std::vector<std::string> chosen;
+  for (std::string_view name : known) {
+    if (o.families.empty() || is_asked("all") || is_asked(name)) chosen.emplace_back(name);
+  }
+  o.families = std::move(chosen);
+}
+
 void check_rays(Arguments& a) {
   std::vector<std::string_view> known;
   for (RayKind kind : ray_kinds()) known.push_back(ray_kind_name(kind));
@@ -147,6 +176,15 @@ void check_trace(Arguments& a) {
         fmt::format("--build-budget must be at least 0 seconds, not {}.", a.options.build_budget_s));
   }
   if (!a.json.empty()) a.options.json = a.json;
+}
+
+void check_hard(Arguments& a, const CLI::App& command) {
+  if (a.options.structures.empty()) {
+    a.options.structures.assign(kHardStructures.begin(), kHardStructures.end());
+  }
+  if (command.count("--count") == 0) a.options.count = kDefaultHardRays;
+  check_families(a.options);
+  check_trace(a);
 }
 
 void check_picture(Arguments& a, const CLI::App& command) {
@@ -187,6 +225,23 @@ void add_error(CLI::App& app, Arguments& a) {
   add_trace_options(error, a, kDefaultErrorRays);
 }
 
+void add_hard(CLI::App& app, Arguments& a) {
+  CLI::App& hard = *app.add_subcommand(
+      "hard", "Hold what each structure answers to the catalogue of hard cases against the oracle");
+  std::string structures;
+  for (std::string_view name : kHardStructures) {
+    structures += (structures.empty() ? "" : ",") + std::string(name);
+  }
+  add_common_options(hard, a, structures);
+  hard.add_option("--families", a.options.families,
+                  "Families of hard cases (see list), or all; separated by commas")
+      ->delimiter(',')
+      ->default_str("all");
+  hard.add_option("--count", a.options.count, "Rays of each family")
+      ->default_str(std::to_string(kDefaultHardRays));
+  hard.add_option("--seed", a.options.seed, "Seed of scenes and rays")->capture_default_str();
+}
+
 void add_picture(CLI::App& app, Arguments& a) {
   CLI::App& picture = *app.add_subcommand("picture", "Write a shaded, motion-blurred PNG of each scene");
   add_scene_options(picture, a);
@@ -207,6 +262,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   app.add_subcommand("list", "Names of scenes, structures and kinds of rays");
   add_bench(app, a);
   add_error(app, a);
+  add_hard(app, a);
   add_picture(app, a);
   try {
     app.parse(argc, argv);
@@ -220,6 +276,11 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   const CLI::App& command = *app.get_subcommands().front();
   const std::string name = command.get_name();
   if (name == "list") return a.options;
+  if (name == "hard") {
+    a.options.command = Command::kHard;
+    check_hard(a, command);
+    return a.options;
+  }
   check_scenes(a, command);
   if (name == "picture") {
     a.options.command = Command::kPicture;

@@ -16,8 +16,9 @@ namespace stbvh::harness {
 /// Rays of each kind where --count is not given.
 inline constexpr std::size_t kDefaultBenchRays = 100'000;
 inline constexpr std::size_t kDefaultErrorRays = 20'000;
+inline constexpr std::size_t kDefaultHardRays = 20'000;
 
-enum class Command { kList, kBench, kError, kPicture };
+enum class Command { kList, kBench, kError, kHard, kPicture };
 
 /// All of them checked: names known, numbers in range.
 struct Options {
@@ -25,7 +26,8 @@ struct Options {
   std::vector<std::string> scenes;
   std::vector<std::string> structures;  ///< in the order of structure_names()
   std::vector<RayKind> rays;
-  std::optional<double> scale;  ///< of the paper's scenes; empty: each scene's default
+  std::vector<std::string> families;  ///< of hard cases, in the order of hard_families()
+  std::optional<double> scale;        ///< of the paper's scenes; empty: each scene's default
   GltfOptions gltf;
   std::uint64_t seed = 1;
   unsigned threads = 1;

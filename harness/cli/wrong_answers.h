@@ -17,4 +17,7 @@ struct WrongAnswers : std::runtime_error {
 /// wrong primitive beyond rounding in any of `results`. What other structures answer is theirs.
 void require_right_answers(std::span<const ErrorResult> results);
 
+/// The same; a leak is a wrong answer too.
+void require_right_answers(std::span<const HardResult> results);
+
 }  // namespace stbvh::harness

@@ -167,11 +167,12 @@ std::optional<RayKind> find_ray_kind(std::string_view name) {
 }
 
 bool is_traceable(const Ray& ray) {
-  const auto is_finite = [](Vec3f v) {
-    return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+  const auto is_in_range = [](Vec3f v) {
+    return std::abs(v.x) <= kMaxCoordinate && std::abs(v.y) <= kMaxCoordinate &&
+           std::abs(v.z) <= kMaxCoordinate;
   };
   const Vec3f d = ray.direction;
-  return is_finite(ray.origin) && is_finite(d) && (d.x != 0 || d.y != 0 || d.z != 0) && ray.time >= 0 &&
+  return is_in_range(ray.origin) && is_in_range(d) && (d.x != 0 || d.y != 0 || d.z != 0) && ray.time >= 0 &&
          ray.time <= 1 && ray.tnear >= 0 && ray.tnear <= ray.tfar;
 }
 

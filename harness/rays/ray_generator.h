@@ -19,7 +19,8 @@ std::span<const RayKind> ray_kinds();
 /// The kind of that name.
 std::optional<RayKind> find_ray_kind(std::string_view name);
 
-/// Whether Embree can be asked with `ray`: finite, a direction, a time in [0, 1], 0 <= tnear <= tfar.
+/// Whether Embree can be asked with `ray`: finite and at most kMaxCoordinate, a direction, a time in [0, 1],
+/// 0 <= tnear <= tfar.
 /// Debian's Embree aborts the process on others.
 bool is_traceable(const Ray& ray);
 

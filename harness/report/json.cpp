@@ -68,6 +68,29 @@ Json to_record(const ErrorResult& r) {
           {"t_error_rel_max", r.t_error_rel_max}};
 }
 
+Json count_or_null(std::optional<std::size_t> count) {
+  return count ? Json(*count) : Json();
+}
+
+Json to_record(const HardResult& r) {
+  return {{"kind", "hard"},
+          {"family", r.family},
+          {"structure", r.structure},
+          {"traced", r.traced},
+          {"oracle_hits", r.oracle_hits},
+          {"leaks", count_or_null(r.leaks)},
+          {"missed", r.missed},
+          {"false_hits", r.false_hits},
+          {"wrong_primitive", r.wrong_primitive},
+          {"any_hit_wrong", r.any_hit_wrong},
+          {"self_hits", count_or_null(r.self_hits)},
+          {"ties", r.ties},
+          {"within_rounding", r.within_rounding},
+          {"near_edge", r.near_edge},
+          {"t_error_rel_p99", r.t_error_rel_p99},
+          {"t_error_rel_max", r.t_error_rel_max}};
+}
+
 }  // namespace
 
 std::string to_json(const Report& report, const Machine& machine, const std::string& commit) {
@@ -75,6 +98,7 @@ std::string to_json(const Report& report, const Machine& machine, const std::str
   for (const BuildResult& r : report.builds) records.push_back(to_record(r));
   for (const SpeedResult& r : report.speeds) records.push_back(to_record(r));
   for (const ErrorResult& r : report.errors) records.push_back(to_record(r));
+  for (const HardResult& r : report.hards) records.push_back(to_record(r));
   const Json root = {{"machine",
                       {{"cpu", machine.cpu},
                        {"cores", machine.cores},

@@ -22,6 +22,12 @@ std::string speed_table(const std::vector<SpeedResult>& results);
 /// Errors in one scene, a line for each structure and kind of rays.
 std::string error_table(const std::vector<ErrorResult>& results);
 
+/// Names of the columns of hard_row.
+std::string hard_heading();
+
+/// One family and structure.
+std::string hard_row(const HardResult& result);
+
 /// Geometric means of the ratios over all scenes of a report; empty for fewer than two scenes.
 std::string speed_summary(const Report& report);
 

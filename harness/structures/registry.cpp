@@ -23,7 +23,7 @@ struct Entry {
   StructurePtr (*build)(const Scene& scene, unsigned threads);
 };
 
-constexpr std::array<Entry, 11> kEntries{{
+constexpr std::array<Entry, 12> kEntries{{
     {"embree", "Embree's own motion blur tree, as an application gets it by default",
      build_embree<RTC_SCENE_FLAG_NONE>},
     {"embree-robust", "the same with the flag ROBUST", build_embree<RTC_SCENE_FLAG_ROBUST>},
@@ -59,6 +59,10 @@ constexpr std::array<Entry, 11> kEntries{{
     {"stbvh-direct-indexed", "our kernels without Embree; vertex indices in the leaves: smaller, slower",
      [](const Scene& scene, unsigned threads) -> StructurePtr {
        return std::make_unique<StbvhDirect>(scene, BuildSettings{.max_inline_steps = 0}, threads);
+     }},
+    {"stbvh-direct-scalar", "our kernels without Embree and without vector instructions",
+     [](const Scene& scene, unsigned threads) -> StructurePtr {
+       return std::make_unique<StbvhDirect>(scene, BuildSettings{}, threads, Isa::kScalar);
      }},
 }};
 

@@ -4,7 +4,9 @@
 
 namespace stbvh::harness {
 
-StbvhDirect::StbvhDirect(const Scene& scene, const BuildSettings& settings, unsigned threads) {
+StbvhDirect::StbvhDirect(const Scene& scene, const BuildSettings& settings, unsigned threads,
+                         std::optional<Isa> isa)
+    : isa_(isa) {
   const BuildMeter meter(threads);
   std::vector<std::vector<VertexBufferView>> steps(scene.meshes.size());
   std::vector<MeshView> views;
@@ -32,14 +34,17 @@ StbvhDirect::StbvhDirect(const Scene& scene, const BuildSettings& settings, unsi
 void StbvhDirect::intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const {
   for (std::size_t i = 0; i < rays.size(); ++i) {
     Hit hit;
-    hits[i] = structure_->intersect(rays[i], hit) ? HitRecord{hit.t, hit.geom_id, hit.prim_id}
-                                                  : HitRecord{rays[i].tfar, kInvalidId, kInvalidId};
+    const bool is_hit =
+        isa_ ? structure_->intersect_on(*isa_, rays[i], hit) : structure_->intersect(rays[i], hit);
+    hits[i] =
+        is_hit ? HitRecord{hit.t, hit.geom_id, hit.prim_id} : HitRecord{rays[i].tfar, kInvalidId, kInvalidId};
   }
 }
 
 void StbvhDirect::occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const {
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    const std::uint32_t id = structure_->occluded(rays[i]) ? 0u : kInvalidId;
+    const bool is_hit = isa_ ? structure_->occluded_on(*isa_, rays[i]) : structure_->occluded(rays[i]);
+    const std::uint32_t id = is_hit ? 0u : kInvalidId;
     hits[i] = {rays[i].tfar, id, id};
   }
 }

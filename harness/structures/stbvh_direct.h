@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "harness/structures/structure_under_test.h"
 
@@ -9,7 +10,9 @@ namespace stbvh::harness {
 
 class StbvhDirect final : public StructureUnderTest {
  public:
-  StbvhDirect(const Scene& scene, const BuildSettings& settings, unsigned threads);
+  /// Traces on the default instruction set unless `isa`, one of available_isas(), is given.
+  StbvhDirect(const Scene& scene, const BuildSettings& settings, unsigned threads,
+              std::optional<Isa> isa = std::nullopt);
 
   const BuildRecord& build_record() const override { return record_; }
   void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
@@ -17,6 +20,7 @@ class StbvhDirect final : public StructureUnderTest {
 
  private:
   std::unique_ptr<Structure> structure_;
+  std::optional<Isa> isa_;
   BuildRecord record_;
 };
 
