@@ -136,7 +136,7 @@ TEST(WrongAnswers, OfOursAreAnErrorThoseOfOthersAreFigures) {
   const ErrorResult others{.scene = "s", .structure = "embree", .rays = "bounce", .missed = 3};
   const ErrorResult rounding{
       .scene = "s", .structure = "stbvh", .rays = "bounce", .ties = 7, .within_rounding = 9};
-  EXPECT_NO_THROW(require_right_answers({}));
+  EXPECT_NO_THROW(require_right_answers(std::vector<ErrorResult>{}));
   EXPECT_NO_THROW(require_right_answers(std::vector{others, rounding}));
   for (const char* structure : {"stbvh", "stbvh-direct", "stbvh-direct-indexed"}) {
     for (auto count : {&ErrorResult::missed, &ErrorResult::false_hits, &ErrorResult::wrong_primitive}) {
