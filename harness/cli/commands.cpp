@@ -55,7 +55,7 @@ void run_list() {
   for (RayKind kind : ray_kinds()) fmt::print("  {}\n", ray_kind_name(kind));
   fmt::print("families of hard cases\n");
   for (const HardFamily& family : hard_families())
-    fmt::print("  {:<24} {}\n", family.name, family.description);
+    fmt::print("  {:<25} {}\n", family.name, family.description);
 }
 
 void run_picture(const Options& options) {

@@ -28,6 +28,7 @@ HardResult to_result(const std::string& family, const std::string& structure, bo
           .missed = errors.missed,
           .false_hits = errors.false_hits,
           .wrong_primitive = errors.wrong_primitive,
+          .near_misses = counts.near_misses,
           .any_hit_wrong = counts.any_wrong,
           .self_hits = counts.departures > 0 ? std::optional(counts.self_hits) : std::nullopt,
           .ties = errors.ties,
@@ -133,6 +134,7 @@ void run_hard(const Options& options) {
     std::fflush(stdout);
     report.hards.insert(report.hards.end(), results.begin(), results.end());
   }
+  fmt::print("{}", hard_legend());
   if (options.json) write_file(*options.json, to_json(report, machine, built_commit()));
   require_right_answers(std::span<const HardResult>(report.hards));
 }

@@ -82,6 +82,7 @@ Json to_record(const HardResult& r) {
           {"missed", r.missed},
           {"false_hits", r.false_hits},
           {"wrong_primitive", r.wrong_primitive},
+          {"near_misses", r.near_misses},
           {"any_hit_wrong", r.any_hit_wrong},
           {"self_hits", count_or_null(r.self_hits)},
           {"ties", r.ties},

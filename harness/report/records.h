@@ -74,6 +74,7 @@ struct HardResult {
   std::size_t missed = 0;
   std::size_t false_hits = 0;
   std::size_t wrong_primitive = 0;
+  std::size_t near_misses = 0;           ///< of within_rounding: exact hits that were missed
   std::size_t any_hit_wrong = 0;         ///< the same rays asked for any hit: missed or false
   std::optional<std::size_t> self_hits;  ///< of rays that leave from hit points; empty: none does
   std::size_t ties = 0;

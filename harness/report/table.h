@@ -28,6 +28,9 @@ std::string hard_heading();
 /// One family and structure.
 std::string hard_row(const HardResult& result);
 
+/// What the columns are.
+std::string hard_legend();
+
 /// Geometric means of the ratios over all scenes of a report; empty for fewer than two scenes.
 std::string speed_summary(const Report& report);
 

@@ -15,7 +15,7 @@ HardFamily closed(std::string_view size, std::size_t cuts, std::size_t segments)
           .description = fmt::format("From inside a closed body of {} triangles in {} segments at its "
                                      "vertices, its edges, and one ulp beside them.",
                                      size, segments),
-          .is_large = 8 * cuts * cuts * segments > 2'000'000,
+          .is_large = 8 * cuts * cuts * segments > 1'000'000,
           .make = [body](std::size_t count, std::uint64_t seed) {
             Pcg32 random(seed, 1);
             return one_case(inside_body(body, count, random));

@@ -46,15 +46,16 @@ Mesh make_flat(std::size_t segments, Pcg32& random) {
   });
 }
 
-Scene flat_scene(Pcg32& random) {
+/// Moving triangles, and still ones if asked for.
+Scene flat_scene(bool with_still, Pcg32& random) {
   Scene scene = one_mesh(make_flat(kSegments, random));
-  scene.meshes.push_back(make_flat(0, random));
+  if (with_still) scene.meshes.push_back(make_flat(0, random));
   return scene;
 }
 
 std::vector<HardCase> flat_boxes(std::size_t count, std::uint64_t seed) {
   Pcg32 random(seed, 30);
-  return one_case(seen_from(flat_scene(random), {}, 3, count, random));
+  return one_case(seen_from(flat_scene(false, random), {}, 3, count, random));
 }
 
 /// Rays at lattice points, some of whose components are small; from lattice points too, so that many lie in
@@ -78,12 +79,14 @@ std::vector<Ray> rays_along_axes(std::size_t count, const std::vector<float>& sm
   return rays;
 }
 
-HardFamily along_axes(std::string_view name, std::string_view description, std::vector<float> small) {
+HardFamily along_axes(std::string_view name, std::string_view description, bool with_still,
+                      std::vector<float> small) {
   return {.name = std::string(name),
           .description = std::string(description),
-          .make = [small](std::size_t count, std::uint64_t seed) {
+          .askable = with_still ? Askable::kOurs : Askable::kAll,
+          .make = [with_still, small](std::size_t count, std::uint64_t seed) {
             Pcg32 random(seed, 31);
-            HardCase result{.scene = flat_scene(random)};
+            HardCase result{.scene = flat_scene(with_still, random)};
             result.rays = rays_along_axes(count, small, random);
             return one_case(std::move(result));
           }};
@@ -92,7 +95,7 @@ HardFamily along_axes(std::string_view name, std::string_view description, std::
 /// Rays whose direction lies in the plane of a triangle, from points of that plane.
 std::vector<HardCase> in_plane(std::size_t count, std::uint64_t seed) {
   Pcg32 random(seed, 32);
-  HardCase result{.scene = flat_scene(random)};
+  HardCase result{.scene = flat_scene(false, random)};
   while (result.rays.size() < count) {
     const std::size_t axis = result.rays.size() % 3;
     Vec3 origin = random_point(random, 2);
@@ -129,16 +132,26 @@ void add_flat_families(std::vector<HardFamily>& families) {
                       .make = flat_boxes});
   families.push_back(
       {.name = "in-plane", .description = "Rays within the planes of such triangles.", .make = in_plane});
-  families.push_back(along_axes(
-      "zero-directions", "The same with one or two components of the direction 0 or -0.", {0.0f, -0.0f}));
+  const std::vector<float> zeros{0.0f, -0.0f};
+  const std::vector<float> denormals{0x1p-149f, -0x1p-127f, 1e-40f, 1e-30f, -1e-20f, 1e-7f};
+  families.push_back(along_axes("zero-directions",
+                                "Such triangles; one or two components of the direction are 0 or -0.", false,
+                                zeros));
   families.push_back(along_axes("denormal-directions",
-                                "The same with one or two components denormal, or next to nothing.",
-                                {0x1p-149f, -0x1p-127f, 1e-40f, 1e-30f, -1e-20f, 1e-7f}));
+                                "The same with one or two components denormal, or next to nothing.", false,
+                                denormals));
+  // Embree 3.13.5 finds t = NaN in one of its two trees, and asserts that it is none in the other.
+  families.push_back(along_axes("zero-directions-still",
+                                "Components of 0 or -0 where some of the triangles stand still.", true,
+                                zeros));
+  families.push_back(along_axes("denormal-directions-still",
+                                "Denormal components where some of the triangles stand still.", true,
+                                denormals));
   families.push_back(
-      lengths("direction-lengths", "Directions of lengths from 1e-20 to 1e18.", Askable::kAll, -20, 18));
+      lengths("direction-lengths", "Directions of lengths from 1e-20 to 1e17.", Askable::kAll, -20, 17));
   families.push_back(lengths("direction-lengths-1e20",
-                             "Directions of lengths from 1e18 to 1e20, on which Embree asserts.",
-                             Askable::kDirect, 18, 20));
+                             "Directions of lengths from 1e17 to 1e20, on which Embree asserts.",
+                             Askable::kDirect, 17, 20));
 }
 
 }  // namespace stbvh::harness

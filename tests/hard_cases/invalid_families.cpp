@@ -71,7 +71,8 @@ void spoil_with_infinity(Ray& ray, std::size_t number, Pcg32& random) {
 }
 
 void move_time_outside(Ray& ray, std::size_t number, Pcg32& random) {
-  constexpr float kTimes[] = {-0x1p-149f, -1e-7f, 1.0f + 0x1p-23f, 1e30f};
+  // No denormal: where they are zero to the machine, they are times to it.
+  constexpr float kTimes[] = {-0x1p-126f, -1e-7f, 1.0f + 0x1p-23f, 1e30f};
   const std::size_t i = number % 6;
   ray.time = i < 4 ? kTimes[i] : static_cast<float>(random.uniform(1.001, 3) * (i == 4 ? 1 : -1));
 }

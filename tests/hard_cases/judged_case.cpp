@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "harness/rays/moving_triangle.h"
 
@@ -36,6 +38,17 @@ ErrorCounts expect_nothing(std::span<const HitRecord> hits) {
   }
   counts.false_hits = counts.differences.size();
   return counts;
+}
+
+/// A hit at t = NaN becomes one of a triangle that does not exist, infinitely far away: a false one.
+std::vector<HitRecord> with_numbers(std::span<const HitRecord> hits) {
+  constexpr std::uint32_t kNoTriangle = kInvalidId - 1;
+  std::vector<HitRecord> numbers(hits.begin(), hits.end());
+  for (HitRecord& hit : numbers) {
+    if (hit.is_hit() && std::isnan(hit.t))
+      hit = {std::numeric_limits<float>::infinity(), kNoTriangle, kNoTriangle};
+  }
+  return numbers;
 }
 
 void add(const ErrorCounts& batch, ErrorCounts& sum) {
@@ -93,9 +106,10 @@ void JudgedCase::judge_batch(std::size_t index, std::span<const HitRecord> close
   const auto note = [&](const char* query, std::string_view what, std::size_t ray, const HitRecord& hit) {
     if (counts.example.empty()) counts.example = describe(batch.closest.rays[ray], query, what, hit);
   };
-  const ErrorCounts errors = judge_rays(batch.closest, batch, closest);
+  const ErrorCounts errors = judge_rays(batch.closest, batch, with_numbers(closest));
   const ErrorCounts any_errors = judge_rays(batch.any, batch, any);
   for (const Difference& d : errors.differences) {
+    if (!is_wrong(d) && !closest[d.ray].is_hit()) ++counts.near_misses;
     if (is_wrong(d)) note("closest hit", verdict_name(d.verdict), d.ray, closest[d.ray]);
   }
   for (const Difference& d : any_errors.differences) {
