@@ -35,6 +35,8 @@ void run(const Options& options) {
       return run_error(options);
     case Command::kHard:
       return run_hard(options);
+    case Command::kPareto:
+      return run_pareto(options);
     case Command::kPicture:
       return run_picture(options);
   }

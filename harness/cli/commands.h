@@ -11,6 +11,8 @@ void run_bench(const Options& options);
 void run_error(const Options& options);
 /// Throws WrongAnswers as run_error does.
 void run_hard(const Options& options);
+/// Ends with a table and, if asked for, a plot of speed against error.
+void run_pareto(const Options& options);
 void run_picture(const Options& options);
 
 /// The whole program: runs the command of a command line, prints one line on stderr for what cannot be done.

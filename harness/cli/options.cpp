@@ -7,6 +7,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <span>
 
 #include "harness/cli/closest_name.h"
 #include "harness/cli/pinned_threads.h"
@@ -27,6 +28,10 @@ constexpr std::size_t kMostRepeats = 10'000;
 constexpr std::array<std::string_view, 7> kHardStructures{
     "stbvh-direct", "stbvh-direct-indexed", "stbvh-direct-scalar", "stbvh", "embree", "embree-robust",
     "embree-4v"};
+/// What `pareto` compares: each structure in each precision.
+constexpr std::array<std::string_view, 9> kParetoStructures{
+    "embree",     "embree-robust", "embree-4v",        "lbvh", "lbvh-4v", "stbvh",
+    "stbvh-fast", "stbvh-direct",  "stbvh-direct-fast"};
 constexpr std::size_t kMostRays = 100'000'000;
 
 /// What the command line holds, before it is checked.
@@ -37,6 +42,7 @@ struct Arguments {
   std::string shutter;
   std::string size;
   std::string json;
+  std::string plot;
   std::string directory;
 };
 
@@ -187,6 +193,18 @@ void check_hard(Arguments& a, const CLI::App& command) {
   check_trace(a);
 }
 
+void check_pareto(Arguments& a, const CLI::App& command) {
+  if (a.options.structures.empty()) {
+    a.options.structures.assign(kParetoStructures.begin(), kParetoStructures.end());
+  }
+  if (command.count("--count") == 0) a.options.count = kDefaultParetoRays;
+  if (command.count("--plot") > 0) {
+    if (a.json.empty()) throw UsageError("--plot needs --json: the plot is made from the records.");
+    a.options.plot = a.plot;
+  }
+  check_trace(a);
+}
+
 void check_picture(Arguments& a, const CLI::App& command) {
   Options& o = a.options;
   o.directory = a.directory;
@@ -225,14 +243,16 @@ void add_error(CLI::App& app, Arguments& a) {
   add_trace_options(error, a, kDefaultErrorRays);
 }
 
+std::string names_of(std::span<const std::string_view> structures) {
+  std::string names;
+  for (std::string_view name : structures) names += (names.empty() ? "" : ",") + std::string(name);
+  return names;
+}
+
 void add_hard(CLI::App& app, Arguments& a) {
   CLI::App& hard = *app.add_subcommand(
       "hard", "Hold what each structure answers to the catalogue of hard cases against the oracle");
-  std::string structures;
-  for (std::string_view name : kHardStructures) {
-    structures += (structures.empty() ? "" : ",") + std::string(name);
-  }
-  add_common_options(hard, a, structures);
+  add_common_options(hard, a, names_of(kHardStructures));
   hard.add_option("--families", a.options.families,
                   "Families of hard cases (see list), or all; separated by commas")
       ->delimiter(',')
@@ -240,6 +260,18 @@ void add_hard(CLI::App& app, Arguments& a) {
   hard.add_option("--count", a.options.count, "Rays of each family")
       ->default_str(std::to_string(kDefaultHardRays));
   hard.add_option("--seed", a.options.seed, "Seed of scenes and rays")->capture_default_str();
+}
+
+void add_pareto(CLI::App& app, Arguments& a) {
+  CLI::App& pareto = *app.add_subcommand(
+      "pareto", "Speed against error: scenes for speed, hard cases for error, a point for each structure");
+  add_scene_options(pareto, a);
+  add_common_options(pareto, a, names_of(kParetoStructures));
+  pareto.add_option("--count", a.options.count, "Rays of each family of hard cases")
+      ->default_str(std::to_string(kDefaultParetoRays));
+  pareto.add_option("--repeats", a.options.repeats, "Times that each ray set is traced")
+      ->capture_default_str();
+  pareto.add_option("--plot", a.plot, "PNG file for the plot; needs --json and python3-matplotlib");
 }
 
 void add_picture(CLI::App& app, Arguments& a) {
@@ -263,6 +295,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   add_bench(app, a);
   add_error(app, a);
   add_hard(app, a);
+  add_pareto(app, a);
   add_picture(app, a);
   try {
     app.parse(argc, argv);
@@ -282,6 +315,11 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
     return a.options;
   }
   check_scenes(a, command);
+  if (name == "pareto") {
+    a.options.command = Command::kPareto;
+    check_pareto(a, command);
+    return a.options;
+  }
   if (name == "picture") {
     a.options.command = Command::kPicture;
     check_picture(a, command);

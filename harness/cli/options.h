@@ -17,8 +17,9 @@ namespace stbvh::harness {
 inline constexpr std::size_t kDefaultBenchRays = 100'000;
 inline constexpr std::size_t kDefaultErrorRays = 20'000;
 inline constexpr std::size_t kDefaultHardRays = 20'000;
+inline constexpr std::size_t kDefaultParetoRays = 100'000;
 
-enum class Command { kList, kBench, kError, kHard, kPicture };
+enum class Command { kList, kBench, kError, kHard, kPareto, kPicture };
 
 /// All of them checked: names known, numbers in range.
 struct Options {
@@ -35,6 +36,7 @@ struct Options {
   std::size_t count = 0;
   double build_budget_s = 3;
   std::optional<std::filesystem::path> json;
+  std::optional<std::filesystem::path> plot;  ///< made from the records, so only with json
   std::filesystem::path directory;
   std::size_t picture_width = 960;
   std::size_t picture_height = 540;

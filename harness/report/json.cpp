@@ -92,6 +92,26 @@ Json to_record(const HardResult& r) {
           {"t_error_rel_max", r.t_error_rel_max}};
 }
 
+Json to_record(const ParetoResult& r) {
+  const auto rate = [](std::size_t count, std::size_t n) {
+    return n > 0 ? Json(static_cast<double>(count) / static_cast<double>(n)) : Json();
+  };
+  return {{"kind", "pareto"},
+          {"structure", r.structure},
+          {"ratio_to_embree", r.ratio_to_embree.median},
+          {"ratio_to_embree_min", r.ratio_to_embree.min},
+          {"ratio_to_embree_max", r.ratio_to_embree.max},
+          {"aimed", r.aimed},
+          {"leaks", r.leaks},
+          {"leak_rate", rate(r.leaks, r.aimed)},
+          {"leak_rate_bound_95", rate_bound_95(r.leaks, r.aimed)},
+          {"thin", r.thin},
+          {"differing", r.differing},
+          {"differing_rate", rate(r.differing, r.thin)},
+          {"differing_rate_bound_95", rate_bound_95(r.differing, r.thin)},
+          {"t_error_rel_p99", r.t_error_rel_p99}};
+}
+
 }  // namespace
 
 std::string to_json(const Report& report, const Machine& machine, const std::string& commit) {
@@ -100,6 +120,7 @@ std::string to_json(const Report& report, const Machine& machine, const std::str
   for (const SpeedResult& r : report.speeds) records.push_back(to_record(r));
   for (const ErrorResult& r : report.errors) records.push_back(to_record(r));
   for (const HardResult& r : report.hards) records.push_back(to_record(r));
+  for (const ParetoResult& r : report.paretos) records.push_back(to_record(r));
   const Json root = {{"machine",
                       {{"cpu", machine.cpu},
                        {"cores", machine.cores},

@@ -8,20 +8,21 @@ import json
 import sys
 
 import matplotlib
+import matplotlib.ticker
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402  (the backend comes first)
 
 PANELS = (
     ("leak_rate", "leaks, of rays aimed at vertices and edges\nof closed moving meshes"),
-    ("missed_rate", "missed, of rays at needles and slivers"),
+    ("differing_rate", "answered otherwise than exactly,\nof rays at needles and slivers"),
     ("t_error_rel_p99", "error of t, relative, 99th percentile,\n$10^6$ from the origin"),
 )
 COLOURS = {"embree": "#4878a8", "lbvh": "#999999", "stbvh": "#d1622b"}
 
 
 def draw_panel(axes, records, key):
-    for record in records:
+    for index, record in enumerate(records):
         colour = COLOURS[record["structure"].split("-")[0]]
         filled = "direct" not in record["structure"]
         value = record[key]
@@ -45,11 +46,14 @@ def draw_panel(axes, records, key):
             record["structure"],
             (speed, value),
             textcoords="offset points",
-            xytext=(4, 4),
-            fontsize=7,
+            xytext=(0, 6 + 9 * (index % 3)),
+            ha="center",
+            fontsize=6.5,
             color=colour,
         )
     axes.set_yscale("log")
+    axes.margins(x=0.12, y=0.15)
+    axes.yaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
     axes.set_xlabel("speed, times embree")
     axes.grid(True, which="major", linewidth=0.3)
 

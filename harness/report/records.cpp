@@ -1,6 +1,7 @@
 #include "harness/report/records.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace stbvh::harness {
 
@@ -9,6 +10,14 @@ Spread spread_of(std::vector<double> values) {
   const std::size_t n = values.size();
   const double median = n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
   return {median, values.front(), values.back()};
+}
+
+double rate_bound_95(std::size_t count, std::size_t n) {
+  if (n == 0) return 1;
+  if (count == 0) return std::min(1.0, 3.0 / static_cast<double>(n));
+  const double k = static_cast<double>(count) + 1;
+  const double root = 1 - 1 / (9 * k) + 1.645 / (3 * std::sqrt(k));
+  return std::min(1.0, k * root * root * root / static_cast<double>(n));
 }
 
 }  // namespace stbvh::harness

@@ -19,6 +19,10 @@ struct Spread {
 /// Of at least one value; the median of an even number is the mean of the two in the middle.
 Spread spread_of(std::vector<double> values);
 
+/// The rate that `count` of `n` stay below with 95 % confidence (Poisson, Wilson and Hilferty's
+/// approximation): 3 / n for none.
+double rate_bound_95(std::size_t count, std::size_t n);
+
 struct BuildResult {
   std::string scene;
   std::string structure;
@@ -93,11 +97,23 @@ struct SceneSummary {
   std::size_t buffer_bytes = 0;
 };
 
+/// A structure as a point of speed against error.
+struct ParetoResult {
+  std::string structure;
+  Spread ratio_to_embree;  ///< geometric mean, least and largest over scenes and kinds of rays
+  std::size_t aimed = 0;   ///< rays at vertices and edges of closed moving meshes, from inside
+  std::size_t leaks = 0;
+  std::size_t thin = 0;        ///< rays at needles and slivers
+  std::size_t differing = 0;   ///< answered otherwise than exactly, within rounding or not
+  double t_error_rel_p99 = 0;  ///< far from the origin
+};
+
 struct Report {
   std::vector<BuildResult> builds;
   std::vector<SpeedResult> speeds;
   std::vector<ErrorResult> errors;
   std::vector<HardResult> hards;
+  std::vector<ParetoResult> paretos;
 };
 
 }  // namespace stbvh::harness

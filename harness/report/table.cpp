@@ -175,6 +175,27 @@ std::string hard_legend() {
          "differ there / rays where it can. Counted apart.\n";
 }
 
+std::string pareto_table(const std::vector<ParetoResult>& points) {
+  const auto rate = [](std::size_t count, std::size_t n) {
+    if (n == 0) return std::string("-");
+    return fmt::format("{:.1e} (<{:.1e})", static_cast<double>(count) / static_cast<double>(n),
+                       rate_bound_95(count, n));
+  };
+  std::string text = fmt::format("{:<21}{:>20}{:>22}{:>22}{:>12}\n", "structure", "times embree", "leaks",
+                                 "differ on needles", "t err p99");
+  for (const ParetoResult& p : points) {
+    const Spread& ratio = p.ratio_to_embree;
+    text += fmt::format("{:<21}{:>20}{:>22}{:>22}{:>12.1e}\n", p.structure,
+                        fmt::format("{:.2f} ({:.2f}-{:.2f})", ratio.median, ratio.min, ratio.max),
+                        rate(p.leaks, p.aimed), rate(p.differing, p.thin), p.t_error_rel_p99);
+  }
+  return text +
+         "times embree: geometric mean over scenes, bounce and uniform rays (least and largest); leaks: of "
+         "rays "
+         "aimed at vertices and edges of closed moving meshes from inside (95 % confidence bound); differ: "
+         "answered otherwise than exactly, within rounding or not; t err: relative, 1e6 from the origin.\n";
+}
+
 std::string speed_summary(const Report& report) {
   const auto scenes = distinct(report.speeds, [](const SpeedResult& r) { return r.scene; });
   if (scenes.size() < 2) return "";

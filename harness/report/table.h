@@ -31,6 +31,9 @@ std::string hard_row(const HardResult& result);
 /// What the columns are.
 std::string hard_legend();
 
+/// Speed and errors of each structure.
+std::string pareto_table(const std::vector<ParetoResult>& points);
+
 /// Geometric means of the ratios over all scenes of a report; empty for fewer than two scenes.
 std::string speed_summary(const Report& report);
 
