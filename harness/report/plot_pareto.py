@@ -52,7 +52,9 @@ def draw_panel(axes, records, key):
             color=colour,
         )
     axes.set_yscale("log")
-    axes.margins(x=0.12, y=0.15)
+    axes.margins(x=0.12, y=0.2)
+    bottom, top = axes.get_ylim()
+    axes.set_ylim(min(bottom, top / 30), top)
     axes.yaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
     axes.set_xlabel("speed, times embree")
     axes.grid(True, which="major", linewidth=0.3)
