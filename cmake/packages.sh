@@ -5,6 +5,7 @@ build_packages=(cmake ninja-build g++ git libembree-dev libtbb-dev libfmt-dev li
   nlohmann-json3-dev libcli11-dev libgmp-dev)
 test_packages=(libgtest-dev)
 format_packages=(clang-format)
+fuzz_packages=(clang-14 libclang-rt-14-dev)
 
 # ensure_packages PACKAGE...: installs those that are missing; touches neither apt nor the network if none is.
 ensure_packages() {

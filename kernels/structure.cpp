@@ -137,9 +137,14 @@ class StructureImpl final : public Structure {
       const float f = length > 0.0f ? (time - child.range.begin) / length : 0.0f;
       const F32x4 f0(1.0f - f), f1(f);
       const LinearBounds& b = child.bounds;
+      if (b.is_static()) {  // weights that sum up to one would round
+        lower = min(lower, b.lower_begin);
+        upper = max(upper, b.upper_begin);
+        continue;
+      }
       const F32x4 largest =
           max(max(abs(b.lower_begin), abs(b.lower_end)), max(abs(b.upper_begin), abs(b.upper_end)));
-      const F32x4 pad = b.is_static() ? F32x4(0.0f) : largest * F32x4(0x1p-21f);
+      const F32x4 pad = largest * F32x4(0x1p-21f);
       lower = min(lower, f0 * b.lower_begin + f1 * b.lower_end - pad);
       upper = max(upper, f0 * b.upper_begin + f1 * b.upper_end + pad);
     }

@@ -12,7 +12,10 @@ struct FastTest {
 
   static void set_slabs(Axes origin, Axes, Axes inverse, Axes, TraversalRay& r) {
     splat_axes(r.inverse, inverse);
-    splat_axes(r.near_origin, _mm_mul_ps(_mm_xor_ps(_mm_set1_ps(-0.0f), origin), inverse));
+    // Finite: where it were not, empty slots of nodes would be met.
+    const Axes shift = _mm_mul_ps(_mm_xor_ps(_mm_set1_ps(-0.0f), origin), inverse);
+    const Axes most = _mm_set1_ps(kLargest);
+    splat_axes(r.near_origin, _mm_max_ps(_mm_min_ps(shift, most), _mm_set1_ps(-kLargest)));
     for (int i = 0; i < 3; ++i) r.far_origin[i] = r.near_origin[i];
   }
 

@@ -37,6 +37,7 @@ struct TraversalRay {
   float tnear, tfar;    ///< of the query, tfar that of the closest hit so far
   float s_near, s_far;  ///< the same for boxes
   float s_scale;        ///< |direction[kz]|
+  float s_slack;        ///< how far on the t of a hit may be a denormal number, or flushed to zero
   float sign_z;         ///< of direction[kz]
   /// Of any hit: what lies this far along the ray, on the axis kz, is hit within the range for certain.
   float certain_near, certain_far;
@@ -44,13 +45,15 @@ struct TraversalRay {
 };
 
 constexpr float kLargest = std::numeric_limits<float>::max();
+/// Moved outwards an origin must stay finite: where it did not, empty slots of nodes would be met.
+constexpr float kFarthestOrigin = 0x1p126f;
 
 inline bool is_finite(float x) {
   return std::fabs(x) <= kLargest;
 }
 
 inline void update_s_far(TraversalRay& r) {
-  r.s_far = r.tfar * r.s_scale * (1.0f + 0x1p-21f);
+  r.s_far = r.tfar * r.s_scale * (1.0f + 0x1p-21f) + r.s_slack;
 }
 
 /// x, y, z, and a lane that carries nothing. A ray's set-up is a third of the time of the cheapest rays.
@@ -81,14 +84,14 @@ inline Axes largest_distance(const StructureView& structure, Axes origin) {
   return largest_of(_mm_max_ps(to_lower, to_upper));
 }
 
-/// Nothing is certain where distances could overflow or lose precision.
+/// Nothing is certain where edge functions, products of twice the distance, could overflow or lose precision.
 inline void set_certain_range(TraversalRay& r, float distance) {
   constexpr float kLeast = 0x1p-80f;  // its products stay normal numbers: others are slow
   const float near = std::fabs(r.tnear) > kLeast ? std::fabs(r.tnear) : kLeast;
   const float s = near * r.s_scale * (1.0f + 0x1p-20f);
   r.certain_near = s > kLeast ? s : kLeast;
   const float far = r.tfar < kLargest ? r.tfar : kLargest;
-  r.certain_far = distance < 1e37f ? far * r.s_scale * (1.0f - 0x1p-20f) : 0.0f;
+  r.certain_far = distance < 1e18f ? far * r.s_scale * (1.0f - 0x1p-20f) : 0.0f;
   r.sign_z = std::copysign(1.0f, static_cast<float>(r.direction_z));
 }
 
@@ -98,15 +101,15 @@ inline bool setup_ray(const StructureView& structure, const Ray& ray, TraversalR
   // The fourth lanes hold what follows in the ray.
   const Axes origin = _mm_loadu_ps(&ray.origin.x);
   const Axes direction = _mm_loadu_ps(&ray.direction.x);
-  const Axes zero = _mm_setzero_ps();
-  // Zero unless something is infinite or not a number.
-  const Axes none = _mm_add_ps(_mm_mul_ps(origin, zero), _mm_mul_ps(direction, zero));
-  if (bits_of(_mm_cmpeq_ps(none, zero)) != 7) return false;
+  const Axes sign_bit = _mm_set1_ps(-0.0f);
+  const Axes size = _mm_andnot_ps(sign_bit, direction);
+  // Also false where something is not a number.
+  const Axes origin_is_near = _mm_cmple_ps(_mm_andnot_ps(sign_bit, origin), _mm_set1_ps(kFarthestOrigin));
+  const Axes direction_is_finite = _mm_cmple_ps(size, _mm_set1_ps(kLargest));
+  if (bits_of(_mm_and_ps(origin_is_near, direction_is_finite)) != 7) return false;
   if (!(ray.time >= structure.time_begin && ray.time <= structure.time_last)) return false;
   if (!(ray.tnear <= ray.tfar)) return false;  // also where either is NaN
 
-  const Axes sign_bit = _mm_set1_ps(-0.0f);
-  const Axes size = _mm_andnot_ps(sign_bit, direction);
   const Axes largest = largest_of(size);
   const float scale = _mm_cvtss_f32(largest);
   if (!(scale > 0.0f)) return false;
@@ -138,8 +141,9 @@ inline bool setup_ray(const StructureView& structure, const Ray& ray, TraversalR
   r.tnear = ray.tnear;
   r.tfar = ray.tfar;
   r.s_scale = scale;
-  r.s_near = ray.tnear * scale * (1.0f - 0x1p-21f);
-  if (ray.tnear < 0.0f) r.s_near = ray.tnear * scale * (1.0f + 0x1p-21f);
+  r.s_slack = std::numeric_limits<float>::min() * (scale > 1.0f ? scale : 1.0f);
+  r.s_near = ray.tnear * scale * (1.0f - 0x1p-21f) - r.s_slack;
+  if (ray.tnear < 0.0f) r.s_near = ray.tnear * scale * (1.0f + 0x1p-21f) - r.s_slack;
   update_s_far(r);
   set_certain_range(r, _mm_cvtss_f32(distance));
   return true;

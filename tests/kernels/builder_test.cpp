@@ -224,5 +224,19 @@ TEST(Builder, BoundsAtHoldEveryPosition) {
   }
 }
 
+/// Found by fuzz_build: (1 - t) * x + t * x is not always x.
+TEST(Builder, BoundsAtHoldWhatStandsStill) {
+  std::vector<TestMesh> meshes{test::sphere(12, 1)};
+  const auto structure = Structure::build(views(meshes));
+  for (int i = 0; i <= 1000; ++i) {
+    const float t = static_cast<float>(i) / 1000.0f;
+    const Box3f box = structure->bounds_at(t);
+    for (const Vec3f& p : meshes[0].positions[0]) {
+      ASSERT_TRUE(p.x >= box.lower.x && p.y >= box.lower.y && p.z >= box.lower.z) << t;
+      ASSERT_TRUE(p.x <= box.upper.x && p.y <= box.upper.y && p.z <= box.upper.z) << t;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace stbvh

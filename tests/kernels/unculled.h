@@ -15,8 +15,9 @@ namespace stbvh::test {
 /// One structure for each triangle whose root is a leaf, so that nothing is culled: what this accepts, a tree
 /// over the same triangles must find. All triangles must be valid.
 ///
-/// A tree over one triangle that moves fast is split in time, and those nodes have boxes. So each structure
-/// is built over a triangle at rest, with an indexed leaf, which reads the caller's vertices when it is
+/// A tree over one triangle that moves fast is split in time, and those nodes have boxes; so is one over a
+/// thin triangle at rest, if rounding makes its boxes a little larger. So each structure is built over a
+/// triangle that is but the point zero, with an indexed leaf, which reads the caller's vertices when it is
 /// asked: after building, they are replaced by the moving ones.
 class Unculled {
  public:
@@ -62,7 +63,7 @@ class Unculled {
       std::array<std::uint32_t, 3> vertices;
       std::memcpy(&vertices, static_cast<const char*>(mesh.indices) + prim * mesh.index_stride,
                   sizeof vertices);
-      std::vector<Corners> corners_of_steps(mesh.steps.size(), corners(mesh.steps[0], vertices));
+      std::vector<Corners> corners_of_steps(mesh.steps.size(), Corners{});
       std::vector<VertexBufferView> steps;
       for (const Corners& step : corners_of_steps) steps.push_back({step.data(), 3, sizeof(Vec3f)});
       MeshView one = mesh;
@@ -73,7 +74,7 @@ class Unculled {
       indexed.max_inline_steps = 0;
       auto leaf = Structure::build({&one, 1}, indexed);
       if (leaf->statistics().triangles == 0) continue;  // a mesh that is never alive
-      if (leaf->statistics().depth != 0) throw std::logic_error("a triangle at rest is more than a leaf");
+      if (leaf->statistics().depth != 0) throw std::logic_error("a point at rest is more than a leaf");
       for (std::size_t k = 0; k < steps.size(); ++k) corners_of_steps[k] = corners(mesh.steps[k], vertices);
       triangles_.push_back({std::move(leaf), static_cast<std::uint32_t>(prim), std::move(corners_of_steps)});
     }

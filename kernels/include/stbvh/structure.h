@@ -125,7 +125,7 @@ class Structure {
   virtual ~Structure() = default;
 
   /// Closest hit in (tnear, tfar]; false, and `hit` untouched, if there is none. A ray that is not finite (or
-  /// of zero direction, or at a time outside [0, 1]) hits nothing.
+  /// of zero direction, from a coordinate beyond 2^126, or at a time outside [0, 1]) hits nothing.
   virtual bool intersect(const Ray& ray, Hit& hit, const HitFilter* filter = nullptr) const = 0;
   /// Whether anything is hit in (tnear, tfar].
   virtual bool occluded(const Ray& ray, const HitFilter* filter = nullptr) const = 0;

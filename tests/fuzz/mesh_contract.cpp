@@ -1,0 +1,141 @@
+#include "mesh_contract.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <limits>
+
+#include "require.h"
+
+namespace stbvh::fuzz {
+
+namespace {
+
+Vec3f position(const MeshView& mesh, std::size_t step, std::uint32_t vertex) {
+  Vec3f p;
+  std::memcpy(&p, static_cast<const char*>(mesh.steps[step].data) + vertex * mesh.steps[step].stride,
+              sizeof p);
+  return p;
+}
+
+bool is_valid(const MeshView& mesh, std::uint32_t vertex) {
+  if (vertex >= mesh.steps[0].count) return false;
+  for (std::size_t step = 0; step < mesh.steps.size(); ++step) {
+    const Vec3f p = position(mesh, step, vertex);
+    for (const float x : {p.x, p.y, p.z}) {
+      if (!(std::fabs(x) < kMaxCoordinate)) return false;
+    }
+  }
+  return true;
+}
+
+/// The position at a time of the mesh's range, in double but for the choice of the segment.
+std::array<double, 3> position_at(const MeshView& mesh, float time, std::uint32_t vertex) {
+  const Vec3f p = position(mesh, 0, vertex);
+  if (mesh.steps.size() == 1) return {p.x, p.y, p.z};
+  const auto segments = static_cast<float>(mesh.steps.size() - 1);
+  const TimeRange range = mesh.time_range;
+  const float u = (time - range.begin) / (range.end - range.begin) * segments;
+  const float k = std::min(std::floor(u), segments - 1.0f);
+  const double f = static_cast<double>(u) - k;
+  const Vec3f p0 = position(mesh, static_cast<std::size_t>(k), vertex);
+  const Vec3f p1 = position(mesh, static_cast<std::size_t>(k) + 1, vertex);
+  return {(1 - f) * p0.x + f * p1.x, (1 - f) * p0.y + f * p1.y, (1 - f) * p0.z + f * p1.z};
+}
+
+/// Up to what a build that flushes denormal numbers to zero leaves out.
+bool holds(const Box3f& box, const std::array<double, 3>& p) {
+  constexpr double kFlushed = std::numeric_limits<float>::min();
+  const std::array<float, 3> lower{box.lower.x, box.lower.y, box.lower.z};
+  const std::array<float, 3> upper{box.upper.x, box.upper.y, box.upper.z};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!(p[axis] >= lower[axis] - kFlushed && p[axis] <= upper[axis] + kFlushed)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+bool is_readable(const MeshView& mesh) {
+  if (mesh.steps.empty() || mesh.steps.size() > kMaxSteps) return false;
+  if (mesh.indices == nullptr && mesh.triangle_count > 0) return false;
+  if (mesh.triangle_count > kInvalidId || mesh.index_stride < 3 * sizeof(std::uint32_t)) return false;
+  for (const VertexBufferView& step : mesh.steps) {
+    if (step.count != mesh.steps[0].count || step.stride < sizeof(Vec3f)) return false;
+    if (step.data == nullptr && step.count > 0) return false;
+  }
+  if (mesh.steps.size() == 1) return true;
+  const TimeRange range = mesh.time_range;
+  const float length = range.end - range.begin;
+  return std::isfinite(range.begin) && std::isfinite(range.end) && std::isfinite(length) &&
+         length >= std::numeric_limits<float>::min();
+}
+
+std::vector<std::array<std::uint32_t, 3>> valid_triangles(const MeshView& mesh) {
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (std::size_t prim = 0; prim < mesh.triangle_count; ++prim) {
+    std::array<std::uint32_t, 3> corners;
+    std::memcpy(&corners, static_cast<const char*>(mesh.indices) + prim * mesh.index_stride, sizeof corners);
+    if (std::all_of(corners.begin(), corners.end(), [&](auto vertex) { return is_valid(mesh, vertex); })) {
+      triangles.push_back(corners);
+    }
+  }
+  return triangles;
+}
+
+bool is_ever_alive(const MeshView& mesh) {
+  return mesh.steps.size() == 1 || (mesh.time_range.begin <= 1.0f && mesh.time_range.end >= 0.0f);
+}
+
+void check_statistics(std::span<const MeshView> meshes, const BuildStatistics& statistics) {
+  std::size_t triangles = 0, invalid = 0, segments = 0;
+  for (const MeshView& mesh : meshes) {
+    const std::size_t valid = valid_triangles(mesh).size();
+    invalid += mesh.triangle_count - valid;
+    if (!is_ever_alive(mesh)) continue;
+    triangles += valid;
+    segments += valid * std::max<std::size_t>(mesh.steps.size() - 1, 1);
+  }
+  const BuildStatistics& s = statistics;
+  require(s.triangles == triangles, "statistics: triangles");
+  require(s.invalid_triangles == invalid, "statistics: invalid_triangles");
+  require(s.primitive_segments == segments, "statistics: primitive_segments");
+
+  std::size_t nodes = 0, children = 0;
+  for (std::size_t kind = 0; kind < s.nodes.size(); ++kind) {
+    require(s.node_children[kind] >= 2 * s.nodes[kind] && s.node_children[kind] <= 8 * s.nodes[kind],
+            "statistics: 2 to 8 children of each node");
+    nodes += s.nodes[kind];
+    children += s.node_children[kind];
+  }
+  const std::size_t leaves = s.inline_leaves + s.indexed_leaves;
+  require((leaves > 0) == (triangles > 0), "statistics: leaves where there are triangles");
+  require(nodes == 0 ? leaves <= 1 : children + 1 == nodes + leaves,
+          "statistics: each but the root is a child");
+  require(s.leaf_triangles >= triangles && s.leaf_triangles <= 8 * leaves, "statistics: leaf_triangles");
+  require((s.depth > 0) == (nodes > 0) && s.depth <= nodes && s.depth < 90, "statistics: depth");
+  require(s.leaf_bytes >= 96 * leaves && s.leaf_bytes <= s.structure_bytes, "statistics: leaf_bytes");
+  require(s.peak_bytes >= s.structure_bytes, "statistics: peak_bytes");
+}
+
+void check_bounds(std::span<const MeshView> meshes, const Structure& structure, float time) {
+  if (!(time >= 0.0f && time <= 1.0f)) return;
+  const Box3f box = structure.bounds_at(time);
+  for (const MeshView& mesh : meshes) {
+    if (mesh.steps.size() > 1 && !(time >= mesh.time_range.begin && time <= mesh.time_range.end)) continue;
+    for (const auto& triangle : valid_triangles(mesh)) {
+      for (const std::uint32_t vertex : triangle) {
+        const std::array<double, 3> p = position_at(mesh, time, vertex);
+        if (holds(box, p)) continue;
+        std::fprintf(stderr,
+                     "mesh %td, vertex %u at (%a, %a, %a), box (%a, %a, %a) to (%a, %a, %a), time %a\n",
+                     &mesh - meshes.data(), vertex, p[0], p[1], p[2], box.lower.x, box.lower.y, box.lower.z,
+                     box.upper.x, box.upper.y, box.upper.z, time);
+        require(false, "bounds_at: holds all triangles");
+      }
+    }
+  }
+}
+
+}  // namespace stbvh::fuzz

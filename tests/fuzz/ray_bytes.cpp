@@ -1,0 +1,86 @@
+#include "ray_bytes.h"
+
+#include <algorithm>
+#include <array>
+
+namespace stbvh::fuzz {
+
+namespace {
+
+constexpr float kInf = std::numeric_limits<float>::infinity();
+
+float take_time(ByteReader& in, const MeshView& mesh) {
+  const std::uint8_t code = in.byte();
+  if (code >= 0xF8) return in.number();
+  const float share = static_cast<float>(in.byte()) / 255.0f;
+  const TimeRange range = mesh.time_range;
+  const float begin = std::clamp(range.begin, 0.0f, 1.0f), end = std::clamp(range.end, 0.0f, 1.0f);
+  if (code < 0x60 || mesh.steps.size() == 1) return begin + share * (end - begin);
+  const auto segments = static_cast<double>(mesh.steps.size() - 1);
+  const double step = std::floor(share * segments + 0.5);
+  const double length = static_cast<double>(range.end) - range.begin;
+  auto time = static_cast<float>(range.begin + step / segments * length);
+  if (code % 4 == 1) time = std::nextafter(time, kInf);
+  if (code % 4 == 2) time = std::nextafter(time, -kInf);
+  return std::clamp(time, 0.0f, 1.0f);
+}
+
+std::array<double, 3> corner_at(const MeshView& mesh, std::uint32_t vertex, float time) {
+  std::array<double, 3> p{};
+  if (vertex >= mesh.steps[0].count) return p;
+  const auto segments = static_cast<double>(mesh.steps.size() - 1);
+  double u = 0;
+  if (segments > 0) {
+    const double length = static_cast<double>(mesh.time_range.end) - mesh.time_range.begin;
+    u = (static_cast<double>(time) - mesh.time_range.begin) / length * segments;
+    u = u >= 0 && u <= segments ? u : 0;  // also where it is NaN
+  }
+  const auto k = static_cast<std::size_t>(std::max(std::min(std::floor(u), segments - 1), 0.0));
+  const double f = u - static_cast<double>(k);
+  for (std::size_t i = 0; i < 2 && k + i < mesh.steps.size(); ++i) {
+    const VertexBufferView& step = mesh.steps[k + i];
+    std::array<float, 3> q;
+    std::memcpy(&q, static_cast<const char*>(step.data) + vertex * step.stride, sizeof q);
+    for (std::size_t axis = 0; axis < 3; ++axis) p[axis] += (i == 0 ? 1 - f : f) * q[axis];
+  }
+  return p;
+}
+
+/// Inside a triangle, on its edges or at its corners.
+Vec3f take_target(ByteReader& in, const MeshView& mesh, float time) {
+  const std::size_t prim = in.byte() % mesh.triangle_count;
+  std::array<std::uint32_t, 3> corners;
+  std::memcpy(&corners, static_cast<const char*>(mesh.indices) + prim * mesh.index_stride, sizeof corners);
+  std::array<double, 3> weights;
+  for (double& weight : weights) weight = in.below(16);
+  const double sum = std::max(weights[0] + weights[1] + weights[2], 1.0);
+  std::array<double, 3> target{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::array<double, 3> p = corner_at(mesh, corners[i], time);
+    for (std::size_t axis = 0; axis < 3; ++axis) target[axis] += weights[i] / sum * p[axis];
+  }
+  return {static_cast<float>(target[0]), static_cast<float>(target[1]), static_cast<float>(target[2])};
+}
+
+}  // namespace
+
+Ray take_ray(ByteReader& in, std::span<const MeshView> meshes) {
+  const std::uint8_t kind = in.byte();
+  if (kind >= 0xD0 || meshes.empty()) return in.take<Ray>();
+  const MeshView& mesh = meshes[in.byte() % meshes.size()];
+  const MeshView& clock = in.rarely() ? meshes[in.byte() % meshes.size()] : mesh;
+  if (mesh.triangle_count == 0) return in.take<Ray>();
+  Ray ray{};
+  ray.time = take_time(in, clock);
+  const Vec3f target = take_target(in, mesh, ray.time);
+  const float x = in.number(), y = in.number(), z = in.number();
+  const float distance = in.power_of_two(149), length = in.power_of_two(149);
+  ray.origin = {target.x - distance * x, target.y - distance * y, target.z - distance * z};
+  ray.direction = {length * x, length * y, length * z};
+  ray.tnear = in.rarely() ? in.number() : 0.0f;
+  ray.tfar = in.rarely() ? in.number() : kInf;
+  ray.mask = in.rarely() ? in.take<std::uint32_t>() : 0xFFFFFFFFu;
+  return ray;
+}
+
+}  // namespace stbvh::fuzz
