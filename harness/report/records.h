@@ -74,18 +74,18 @@ struct HardResult {
   std::string structure;
   std::size_t traced = 0;
   std::size_t oracle_hits = 0;
-  std::optional<std::size_t> leaks;  ///< of rays from inside a closed mesh; empty: there is none
+  std::optional<std::size_t> leaks{};  ///< of rays from inside a closed mesh; empty: there is none
   std::size_t missed = 0;
   std::size_t false_hits = 0;
   std::size_t wrong_primitive = 0;
-  std::size_t near_misses = 0;           ///< of within_rounding: exact hits that were missed
-  std::size_t any_hit_wrong = 0;         ///< the same rays asked for any hit: missed or false
-  std::optional<std::size_t> self_hits;  ///< of rays that leave from hit points; empty: none does
+  std::size_t near_misses = 0;             ///< of within_rounding: exact hits that were missed
+  std::size_t any_hit_wrong = 0;           ///< the same rays asked for any hit: missed or false
+  std::optional<std::size_t> self_hits{};  ///< of rays that leave from hit points; empty: none does
   std::size_t ties = 0;
   std::size_t within_rounding = 0;
   std::size_t near_edge = 0;
   double t_error_rel_p99 = 0;
-  double t_error_rel_max = 0;
+  double t_error_rel_max = 0;  ///< infinite where a hit at NaN or infinity was reported
 };
 
 /// What is the same for a whole scene and heads its table.

@@ -27,6 +27,7 @@ Report small_report() {
                            .ratio_to_embree = Spread{1, 1, 1},
                            .hits = 4});
   report.errors.push_back({.scene = "s", .structure = "embree", .rays = "bounce", .traced = 30});
+  report.hards.push_back({.family = "f", .structure = "embree", .traced = 30, .leaks = 2});
   return report;
 }
 
@@ -36,20 +37,25 @@ TEST(Json, HasTheFieldsThatOthersRead) {
   const auto json = nlohmann::json::parse(to_json(small_report(), machine, "abc"));
   EXPECT_EQ(json.at("machine").at("cpu"), "c");
   EXPECT_EQ(json.at("commit"), "abc");
-  ASSERT_EQ(json.at("records").size(), 3u);
+  ASSERT_EQ(json.at("records").size(), 4u);
   const std::vector<std::vector<const char*>> fields{
       {"kind", "scene", "structure", "triangles", "primitive_segments", "build_s", "peak_bytes",
        "structure_bytes", "total_bytes"},
       {"kind", "scene", "structure", "rays", "threads", "repeats", "mrays_per_s", "mrays_per_s_min",
        "mrays_per_s_max", "ratio_to_embree", "hits"},
       {"kind", "scene", "structure", "rays", "traced", "missed", "false_hits", "wrong_primitive",
-       "t_error_rel_p50", "t_error_rel_p99", "t_error_rel_max"}};
-  for (std::size_t i = 0; i < 3; ++i) {
+       "t_error_rel_p50", "t_error_rel_p99", "t_error_rel_max"},
+      {"kind", "family", "structure", "traced", "leaks", "missed", "false_hits", "wrong_primitive",
+       "any_hit_wrong", "self_hits", "within_rounding", "ties", "t_error_rel_p99", "t_error_rel_max"}};
+  for (std::size_t i = 0; i < fields.size(); ++i) {
     for (const char* field : fields[i]) EXPECT_TRUE(json["records"][i].contains(field)) << field;
   }
   EXPECT_EQ(json["records"][0]["kind"], "build");
   EXPECT_EQ(json["records"][1]["kind"], "speed");
   EXPECT_EQ(json["records"][2]["kind"], "error");
+  EXPECT_EQ(json["records"][3]["kind"], "hard");
+  EXPECT_EQ(json["records"][3]["leaks"], 2);
+  EXPECT_TRUE(json["records"][3]["self_hits"].is_null());
   EXPECT_EQ(json["records"][1]["ratio_to_embree"], 1.0);
 }
 
@@ -120,6 +126,15 @@ TEST(Spread, MedianOfOddAndEvenCounts) {
 TEST(Table, NoBadRayInSomeManySaysWhatItProves) {
   EXPECT_EQ(bad_count(0, 20000), "0 (<1.5e-04)");
   EXPECT_EQ(bad_count(3, 20000), "3");
+}
+
+TEST(Table, HardRowsLineUpWithTheirHeading) {
+  HardResult result{.family = "direction-lengths-1e20", .structure = "stbvh-direct-indexed", .traced = 20000};
+  EXPECT_EQ(hard_row(result).size(), hard_heading().size());
+  EXPECT_NE(hard_row(result).find("0 (<1.5e-04)"), std::string::npos);
+  EXPECT_EQ(hard_row(result).find(" 12 "), std::string::npos);
+  result.leaks = 12;
+  EXPECT_NE(hard_row(result).find(" 12 "), std::string::npos);
 }
 
 TEST(Table, ShowsRatiosAndSpread) {
