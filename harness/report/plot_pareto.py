@@ -18,13 +18,14 @@ PANELS = (
     ("differing_rate", "answered otherwise than exactly,\nof rays at needles and slivers"),
     ("t_error_rel_p99", "error of t, relative, 99th percentile,\n$10^6$ from the origin"),
 )
+MARKERS = {"robust": "s", "4v": "^", "fast": "v"}
 COLOURS = {"embree": "#4878a8", "lbvh": "#999999", "stbvh": "#d1622b"}
 
 
 def draw_panel(axes, records, key):
-    for index, record in enumerate(records):
-        colour = COLOURS[record["structure"].split("-")[0]]
-        filled = "direct" not in record["structure"]
+    for record in records:
+        name = record["structure"]
+        colour = COLOURS[name.split("-")[0]]
         value = record[key]
         is_zero = value == 0
         if is_zero:
@@ -34,28 +35,22 @@ def draw_panel(axes, records, key):
             speed,
             value,
             xerr=[[speed - record["ratio_to_embree_min"]], [record["ratio_to_embree_max"] - speed]],
-            fmt="o",
+            fmt=MARKERS.get(name.split("-")[-1], "o"),
             color=colour,
-            markerfacecolor=colour if filled else "white",
-            elinewidth=0.6,
+            markerfacecolor="white" if "direct" in name else colour,
+            elinewidth=0.5,
             capsize=1.5,
             uplims=is_zero,
             yerr=value * 0.5 if is_zero else None,
+            label=name,
         )
-        axes.annotate(
-            record["structure"],
-            (speed, value),
-            textcoords="offset points",
-            xytext=(0, 6 + 9 * (index % 3)),
-            ha="center",
-            fontsize=6.5,
-            color=colour,
-        )
-    axes.set_yscale("log")
-    axes.margins(x=0.12, y=0.2)
-    bottom, top = axes.get_ylim()
-    axes.set_ylim(min(bottom, top / 30), top)
-    axes.yaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
+    values = [r[key] or r[key + "_bound_95"] for r in records]
+    axes.margins(x=0.06, y=0.12)
+    if max(values) > 10 * min(values):
+        axes.set_yscale("log")
+        axes.yaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
+    else:
+        axes.set_ylim(0, 1.25 * max(values))
     axes.set_xlabel("speed, times embree")
     axes.grid(True, which="major", linewidth=0.3)
 
@@ -79,7 +74,12 @@ def main(records_path, picture_path):
         "below the bound of 95 % confidence; open circles: kernels without Embree",
         fontsize=6,
     )
-    figure.tight_layout(rect=(0, 0.03, 1, 0.97))
+    handles, names = all_axes[0].get_legend_handles_labels()
+    figure.legend(
+        [handle[0] for handle in handles], names, loc="lower center", ncol=len(names), fontsize=8, frameon=False,
+        bbox_to_anchor=(0.5, 0.03),
+    )
+    figure.tight_layout(rect=(0, 0.09, 1, 0.97))
     figure.savefig(picture_path, dpi=150)
 
 

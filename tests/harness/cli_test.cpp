@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -63,7 +64,8 @@ INSTANTIATE_TEST_SUITE_P(
                       "error --scenes a.glb --shutter 1", "error --scenes a.glb --shutter 1,0",
                       "error --scenes a.glb --shutter 0,nan", "hard --families no-such",
                       "hard --structures stbhv", "hard --count 0", "hard --threads 0", "hard --scenes wheels",
-                      "hard --rays bounce", "hard --seed x",
+                      "hard --rays bounce", "hard --seed x", "pareto", "pareto --scenes wheels --plot a.png",
+                      "pareto --scenes wheels --json /tmp/a.json --plot /no/such/directory/a.png",
                       "hard --families nan-rays --json /no/such/directory/a.json", "picture --scenes wheels",
                       "picture --scenes wheels -o /proc/none", "picture --scenes wheels -o /tmp --size 0x5",
                       "picture --scenes wheels -o /tmp --size 5", "picture --scenes wheels -o /tmp --spp 0"));
@@ -125,6 +127,26 @@ TEST_F(Records, OfBenchHoldEveryStructureAndKind) {
       EXPECT_EQ(r["ratio_to_embree"], 1.0);
     }
   }
+}
+
+TEST_F(Records, OfParetoAreAPointForEachStructure) {
+  const auto all = records(
+      "pareto --scenes wheels --scale 0.02 --structures embree,stbvh-direct,stbvh-direct-fast --repeats 2 "
+      "--count 500");
+  std::vector<nlohmann::json> points;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(points),
+               [](const auto& r) { return r["kind"] == "pareto"; });
+  ASSERT_EQ(points.size(), 3u);
+  EXPECT_EQ(points[0]["structure"], "embree");
+  EXPECT_EQ(points[0]["ratio_to_embree"], 1.0);
+  EXPECT_GT(points[0]["leaks"], 0);
+  EXPECT_EQ(points[1]["structure"], "stbvh-direct");
+  EXPECT_EQ(points[1]["leaks"], 0);
+  EXPECT_EQ(points[1]["aimed"], 2500);
+  EXPECT_NEAR(points[1]["leak_rate_bound_95"], 3.0 / 2500, 1e-12);
+  EXPECT_LT(points[1]["t_error_rel_p99"], 1e-6);
+  EXPECT_EQ(points[2]["structure"], "stbvh-direct-fast");
+  EXPECT_GT(points[2]["leaks"], 0);
 }
 
 TEST_F(Records, OfErrorFindNoneInOurs) {

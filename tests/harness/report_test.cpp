@@ -145,5 +145,15 @@ TEST(Table, ShowsRatiosAndSpread) {
   EXPECT_EQ(speed_summary(report), "");
 }
 
+TEST(RateBound, OfNothingFoundIsThreeByN) {
+  EXPECT_DOUBLE_EQ(rate_bound_95(0, 1000), 3e-3);
+  EXPECT_DOUBLE_EQ(rate_bound_95(0, 0), 1);
+  EXPECT_DOUBLE_EQ(rate_bound_95(9, 2), 1);
+  // Poisson's own bounds at 95 %: 4.744 for 1, 16.96 for 10, 118.1 for 100.
+  EXPECT_NEAR(rate_bound_95(1, 1000), 4.744e-3, 5e-5);
+  EXPECT_NEAR(rate_bound_95(10, 1000), 16.96e-3, 5e-5);
+  EXPECT_NEAR(rate_bound_95(100, 1000), 118.1e-3, 1e-4);
+}
+
 }  // namespace
 }  // namespace stbvh::harness

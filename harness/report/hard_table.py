@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+"""Hard cases as a Markdown table, one row for each family: hard_table.py RECORDS.json [STRUCTURE...]
+
+Reads the records of kind "hard" that `stbvh-ab hard` writes. A cell has what is not zero of: leaks, missed,
+false hits, wrong primitives, wrong answers of any hit; then, after ~, answers that differ where the exact one
+changes within rounding, ties with another triangle than the exact one, and the 99th percentile of the
+relative error of t. "-" stands for a structure that cannot be asked.
+"""
+import json
+import sys
+
+DEFAULT = ("stbvh-direct", "stbvh", "embree", "embree-robust", "embree-4v")
+COUNTS = (
+    ("leaks", "leaks"),
+    ("missed", "missed"),
+    ("false_hits", "false"),
+    ("wrong_primitive", "wrong"),
+    ("any_hit_wrong", "any hit"),
+)
+
+
+def cell(record):
+    if record is None:
+        return "-"
+    found = [f"**{record[key]} {word}**" for key, word in COUNTS if record[key]]
+    text = ", ".join(found) if found else "0"
+    if record["within_rounding"]:
+        text += f' ~{record["within_rounding"]}'
+    if record["ties"]:
+        text += f' ({record["ties"]} ties)'
+    error = record["t_error_rel_p99"]
+    return text + (f"; {error:.0e}" if error is not None else "; inf")
+
+
+def main(path, structures):
+    with open(path, encoding="utf-8") as file:
+        records = [r for r in json.load(file)["records"] if r["kind"] == "hard"]
+    by_key = {(r["family"], r["structure"]): r for r in records}
+    print("| family | " + " | ".join(structures) + " |")
+    print("|---" * (len(structures) + 1) + "|")
+    for family in dict.fromkeys(r["family"] for r in records):
+        cells = [cell(by_key.get((family, s))) for s in structures]
+        print(f"| {family} | " + " | ".join(cells) + " |")
+
+
+if __name__ == "__main__":
+    if len(sys.argv) < 2:
+        sys.exit("usage: hard_table.py RECORDS.json [STRUCTURE...]")
+    main(sys.argv[1], sys.argv[2:] or DEFAULT)
