@@ -4,7 +4,6 @@
 #include <sys/wait.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 
 #include "harness/cli/commands.h"
@@ -58,16 +57,14 @@ void add_family(const FamilyResults& family, Measure measure, std::vector<Pareto
 
 /// Geometric mean, least and largest of the ratios that the report has of a structure.
 Spread speed_ratio(const Report& report, const std::string& structure) {
-  double log_sum = 0;
   std::vector<double> ratios;
   for (const SpeedResult& r : report.speeds) {
     if (r.structure != structure || !r.ratio_to_embree) continue;
     ratios.push_back(r.ratio_to_embree->median);
-    log_sum += std::log(ratios.back());
   }
   if (ratios.empty()) return {};
   const auto [least, largest] = std::minmax_element(ratios.begin(), ratios.end());
-  return {std::exp(log_sum / static_cast<double>(ratios.size())), *least, *largest};
+  return {geometric_mean(ratios), *least, *largest};
 }
 
 /// Runs plot_pareto.py; matplotlib is Debian's, so is the interpreter.

@@ -12,6 +12,12 @@ Spread spread_of(std::vector<double> values) {
   return {median, values.front(), values.back()};
 }
 
+double geometric_mean(const std::vector<double>& values) {
+  double sum = 0;
+  for (double value : values) sum += std::log(value);
+  return values.empty() ? 0 : std::exp(sum / static_cast<double>(values.size()));
+}
+
 double rate_bound_95(std::size_t count, std::size_t n) {
   if (n == 0) return 1;
   if (count == 0) return std::min(1.0, 3.0 / static_cast<double>(n));

@@ -19,6 +19,9 @@ struct Spread {
 /// Of at least one value; the median of an even number is the mean of the two in the middle.
 Spread spread_of(std::vector<double> values);
 
+/// Of positive values; 0 if there are none.
+double geometric_mean(const std::vector<double>& values);
+
 /// The rate that `count` of `n` stay below with 95 % confidence (Poisson, Wilson and Hilferty's
 /// approximation): 3 / n for none.
 double rate_bound_95(std::size_t count, std::size_t n);

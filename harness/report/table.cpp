@@ -204,11 +204,8 @@ std::string speed_summary(const Report& report) {
                                  scenes.size(), "structure");
   for (const std::string& kind : kinds) text += fmt::format("{:>18}", kind);
   text += fmt::format("{:>10}{:>12}\n", "memory", "build time");
-  const auto geometric_mean = [](const std::vector<double>& ratios) {
-    double sum = 0;
-    for (double r : ratios) sum += std::log(r);
-    return ratios.empty() ? std::string("-")
-                          : fmt::format("{:.2f}", std::exp(sum / static_cast<double>(ratios.size())));
+  const auto mean = [](const std::vector<double>& ratios) {
+    return ratios.empty() ? std::string("-") : fmt::format("{:.2f}", geometric_mean(ratios));
   };
   for (const std::string& structure :
        distinct(report.builds, [](const BuildResult& r) { return r.structure; })) {
@@ -220,7 +217,7 @@ std::string speed_summary(const Report& report) {
           ratios.push_back(r.ratio_to_embree->median);
         }
       }
-      text += fmt::format("{:>18}", geometric_mean(ratios));
+      text += fmt::format("{:>18}", mean(ratios));
     }
     std::vector<double> bytes;
     std::vector<double> seconds;
@@ -231,7 +228,7 @@ std::string speed_summary(const Report& report) {
         seconds.push_back(r.build_s.median / e.build_s.median);
       }
     }
-    text += fmt::format("{:>10}{:>12}\n", geometric_mean(bytes), geometric_mean(seconds));
+    text += fmt::format("{:>10}{:>12}\n", mean(bytes), mean(seconds));
   }
   return text;
 }

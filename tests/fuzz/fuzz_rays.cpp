@@ -13,18 +13,6 @@ constexpr std::size_t kMaxRays = 16;
 
 using test::TestMesh;
 
-TestMesh placed(TestMesh mesh, float scale, float offset) {
-  for (auto& step : mesh.positions) {
-    for (Vec3f& p : step) p = {offset + scale * p.x, offset - scale * p.y, offset + scale * p.z};
-  }
-  return mesh;
-}
-
-TestMesh timed(TestMesh mesh, TimeRange range) {
-  mesh.time_range = range;
-  return mesh;
-}
-
 /// Meshes of other step counts, each alive where the one before it ends.
 std::vector<TestMesh> touching_grids() {
   constexpr std::size_t kSteps[] = {2, 3, 5, 7, 13, 16};

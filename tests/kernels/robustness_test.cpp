@@ -35,18 +35,6 @@ std::vector<MeshView> views(std::vector<TestMesh>& meshes) {
 
 // Meshes ----------------------------------------------------------------------------------------------------
 
-TestMesh placed(TestMesh mesh, float scale, float offset) {
-  for (auto& step : mesh.positions) {
-    for (Vec3f& p : step) p = {offset + scale * p.x, offset - scale * p.y, offset + scale * p.z};
-  }
-  return mesh;
-}
-
-TestMesh timed(TestMesh mesh, TimeRange range) {
-  mesh.time_range = range;
-  return mesh;
-}
-
 struct Scene {
   std::string name;
   float scale;  ///< about the extent of what is in it

@@ -45,6 +45,20 @@ struct TestMesh {
   }
 };
 
+/// The mesh scaled, mirrored in y, and moved by `offset` along each axis.
+inline TestMesh placed(TestMesh mesh, float scale, float offset) {
+  for (auto& step : mesh.positions) {
+    for (Vec3f& p : step) p = {offset + scale * p.x, offset - scale * p.y, offset + scale * p.z};
+  }
+  return mesh;
+}
+
+/// The mesh alive in `range`.
+inline TestMesh timed(TestMesh mesh, TimeRange range) {
+  mesh.time_range = range;
+  return mesh;
+}
+
 using Motion = std::function<Vec3f(Vec3f, float)>;
 
 /// Rotation about z, bulging, and a drift along x: curved motion of moderate speed.
