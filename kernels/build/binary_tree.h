@@ -6,18 +6,15 @@
 
 #include "build/linear_bounds.h"
 #include "build/mesh_set.h"
+#include "build/meshlet.h"
 #include "layout/layout.h"
 
 namespace stbvh {
 
-/// Triangles of one mesh over at most kWidth vertices.
+/// A meshlet over the time range of its node.
 struct BinaryLeaf {
+  const Meshlet* meshlet;
   std::uint32_t mesh;
-  std::uint8_t triangle_count;
-  std::uint8_t vertex_count;
-  std::uint8_t corners[3][kWidth];
-  std::uint32_t prims[kWidth];
-  std::uint32_t vertices[kWidth];
   BuildMesh::SegmentRange segments;  ///< {0, 0} and no motion where the mesh is static
 };
 

@@ -2,86 +2,15 @@
 #pragma once
 
 #include <atomic>
-#include <cstddef>
-#include <memory>
 #include <mutex>
-#include <new>
-#include <span>
 #include <vector>
 
+#include "build/build_memory.h"
 #include "build/mesh_set.h"
+#include "build/meshlet.h"
 #include "stbvh/structure.h"
 
 namespace stbvh {
-
-/// Counts the temporary memory of a build and tells the caller's callback.
-class BuildMemory {
- public:
-  explicit BuildMemory(const BuildCallbacks& callbacks) : callbacks_(callbacks) {}
-  /// Throws BuildCancelled if the callback refuses the bytes (they are not counted then).
-  void take(std::size_t bytes);
-  void give_back(std::size_t bytes) noexcept;
-  std::size_t current() const { return current_.load(); }
-  std::size_t peak() const { return peak_.load(); }
-
- private:
-  const BuildCallbacks& callbacks_;
-  std::atomic<std::size_t> current_{0};
-  std::atomic<std::size_t> peak_{0};
-};
-
-/// An uninitialised array of plain data, counted in a BuildMemory while it lives.
-template <typename T>
-class TemporaryArray {
- public:
-  TemporaryArray(BuildMemory& memory, std::size_t count) : memory_(memory), count_(count) {
-    memory_.take(count * sizeof(T));
-    data_ = static_cast<T*>(::operator new(count * sizeof(T), kAlignment, std::nothrow));
-    if (data_ == nullptr) {
-      memory_.give_back(count * sizeof(T));
-      throw std::bad_alloc();
-    }
-  }
-  ~TemporaryArray() {
-    ::operator delete(data_, kAlignment);
-    memory_.give_back(count_ * sizeof(T));
-  }
-  TemporaryArray(const TemporaryArray&) = delete;
-  TemporaryArray& operator=(const TemporaryArray&) = delete;
-
-  T* data() { return data_; }
-  std::span<T> span() { return {data_, count_}; }
-
- private:
-  static constexpr std::align_val_t kAlignment{64};
-  BuildMemory& memory_;
-  std::size_t count_;
-  T* data_;
-};
-
-/// Hands out small pieces of plain data for one thread; all of it goes at once.
-class Arena {
- public:
-  explicit Arena(BuildMemory& memory) : memory_(memory) {}
-
-  template <typename T>
-  T* make() {
-    constexpr std::size_t bytes = (sizeof(T) + 15) / 16 * 16;
-    if (used_ + bytes > kChunkBytes) {
-      chunks_.push_back(std::make_unique<TemporaryArray<std::byte>>(memory_, kChunkBytes));
-      used_ = 0;
-    }
-    T* piece = new (chunks_.back()->data() + used_) T;
-    used_ += bytes;
-    return piece;
-  }
-
- private:
-  static constexpr std::size_t kChunkBytes = 1 << 18;
-  BuildMemory& memory_;
-  std::vector<std::unique_ptr<TemporaryArray<std::byte>>> chunks_;
-  std::size_t used_ = kChunkBytes;
-};
 
 /// Adds up work done and tells the caller's callback, in steps of a percent.
 class BuildProgress {
@@ -115,6 +44,7 @@ struct BuildContext {
   explicit BuildContext(const BuildCallbacks& callbacks) : memory(callbacks), progress(callbacks) {}
 
   std::vector<BuildMesh> meshes;
+  std::vector<MeshletSet> meshlets;  ///< of each mesh
   BuildSettings settings;
   BuildMemory memory;
   BuildProgress progress;

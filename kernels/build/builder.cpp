@@ -1,13 +1,14 @@
 #include "build/builder.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_group.h>
 
 #include <algorithm>
 
 #include "build/collapse.h"
-#include "build/leaf_packing.h"
 #include "build/mbsah.h"
+#include "build/meshlets.h"
 #include "build/object_split.h"
 #include "build/temporal_split.h"
 
@@ -18,7 +19,7 @@ namespace {
 constexpr std::size_t kParallelSet = 1024;    ///< sets from this size on are built as tasks of their own
 constexpr std::size_t kSplitDepthLimit = 56;  ///< below, sets are only halved: bounds the depth of the tree
 constexpr std::size_t kPollSet = 65536;       ///< sets from this size on ask the progress callback themselves
-constexpr std::size_t kChunk = 8192;
+constexpr std::size_t kChunk = 1024;
 
 /// Runs both on the task scheduler where `parallel`, else one after the other. Exceptions of either get out.
 template <typename F, typename G>
@@ -81,12 +82,18 @@ BinaryTree::BinaryTree(BuildContext& context)
     : context_(context), arenas_([&context] { return Arena(context.memory); }) {}
 
 void BinaryTree::build() {
-  std::size_t triangles = 0;
-  for (const BuildMesh& mesh : context_.meshes) triangles += mesh.view().triangle_count;
-  if (triangles == 0) return;
-  TemporaryArray<Reference> storage(context_.memory, triangles);
+  context_.meshlets.resize(context_.meshes.size());
+  tbb::parallel_for(std::size_t{0}, context_.meshes.size(), [&](std::size_t i) {
+    context_.meshlets[i] = make_meshlets(context_, context_.meshes[i]);
+  });
+  std::size_t meshlets = 0;
+  for (const MeshletSet& set : context_.meshlets) {
+    meshlets += set.meshlets().size();
+    invalid_triangles_ += set.invalid_triangles;
+  }
+  if (meshlets == 0) return;
+  TemporaryArray<Reference> storage(context_.memory, meshlets);
   ReferenceSet all = make_references(storage);
-  live_triangles_ = all.size();
   if (all.size() == 0) return;
   total_work_ =
       static_cast<double>(all.size()) * std::max(1e-30, static_cast<double>(range_.last) - range_.begin);
@@ -118,32 +125,21 @@ ReferenceSet BinaryTree::make_references(TemporaryArray<Reference>& storage) {
   std::size_t out = 0;
   for (std::size_t m = 0; m < context_.meshes.size(); ++m) {
     const BuildMesh& mesh = context_.meshes[m];
-    const std::size_t count = mesh.view().triangle_count;
+    const MeshletSet& set_of_mesh = context_.meshlets[m];
     const MotionSamples samples(mesh, range_);
+    if (samples.count == 0) continue;
+    const std::size_t count = set_of_mesh.meshlets().size();
     context_.progress.poll();
-    const std::size_t chunks = (count + kChunk - 1) / kChunk;
-    std::vector<std::size_t> counts(chunks);
-    std::atomic<std::size_t> invalid{0};
-    tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
-      const std::size_t end = std::min((chunk + 1) * kChunk, count);
-      for (std::size_t prim = chunk * kChunk; prim < end; ++prim) {
-        const BuildMesh::Triangle triangle = mesh.triangle(prim);
-        if (!mesh.is_valid(triangle)) {
-          invalid.fetch_add(1, std::memory_order_relaxed);
-        } else if (samples.count > 0) {
-          const LinearBounds bounds = motion_bounds(mesh, samples, triangle.vertex, shifted_chord);
-          storage.data()[out + chunk * kChunk + counts[chunk]++] =
-              make_reference(bounds, static_cast<std::uint32_t>(m), static_cast<std::uint32_t>(prim));
-        }
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kChunk), [&](const auto& part) {
+      for (std::size_t i = part.begin(); i != part.end(); ++i) {
+        const LinearBounds bounds = motion_bounds(mesh, samples, set_of_mesh.meshlets()[i].used_vertices());
+        storage.data()[out + i] =
+            make_reference(bounds, static_cast<std::uint32_t>(m), static_cast<std::uint32_t>(i));
       }
     });
-    const std::size_t first = out;
-    for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
-      move_down(storage.data() + first + chunk * kChunk, counts[chunk], storage.data() + out);
-      out += counts[chunk];
-    }
-    invalid_triangles_ += invalid.load();
-    primitive_segments_ += (out - first) * std::max<std::size_t>(mesh.segments(), 1);
+    out += count;
+    live_triangles_ += set_of_mesh.triangles;
+    primitive_segments_ += set_of_mesh.triangles * std::max<std::size_t>(mesh.segments(), 1);
   }
   set.references = storage.span().first(out);
   set.range = range_;
@@ -155,17 +151,14 @@ BinaryNode* BinaryTree::build_node(ReferenceSet set, std::size_t depth) {
   if (set.size() >= kPollSet) context_.progress.poll();
   context_.progress.check();
   const bool may_choose = depth < kSplitDepthLimit;
-  const float area = set.bounds.centre_area();
-  const std::optional<BinaryLeaf> leaf = pack_leaf(context_, set);
-
   if (may_choose) {
     const std::optional<TemporalSplit> temporal = find_temporal_split(context_, set);
     if (temporal && temporal->wanted_share >= kTemporalShare)
       return split_in_time(set, temporal->halves, depth);
   }
+  if (set.size() == 1) return make_leaf(set);
   ObjectSplit object;
-  if (may_choose && set.size() > 1) object = find_object_split(set);
-  if (leaf && area * (1.0f - kSplitCost) <= object.cost) return make_leaf(set, *leaf);
+  if (may_choose) object = find_object_split(set);
   return split_in_space(set, depth, object);
 }
 
@@ -202,15 +195,18 @@ BinaryNode* BinaryTree::build_children(const ClosedTimeRange& range, const Refer
   return make_inner(range, left, right);
 }
 
-BinaryNode* BinaryTree::make_leaf(const ReferenceSet& set, const BinaryLeaf& packed) {
+BinaryNode* BinaryTree::make_leaf(const ReferenceSet& set) {
   Arena& arena = arenas_.local();
   BinaryNode* node = arena.make<BinaryNode>();
   node->leaf = arena.make<BinaryLeaf>();
-  *node->leaf = packed;
+  const Reference& reference = set.references[0];
+  const BuildMesh& mesh = context_.meshes[reference.mesh];
+  *node->leaf = {&context_.meshlets[reference.mesh].meshlets()[reference.meshlet], reference.mesh, {0, 0}};
+  if (!mesh.is_static()) node->leaf->segments = mesh.segments_in(set.range);
   node->children[0] = node->children[1] = nullptr;
   node->range = set.range;
   node->subtree_leaves = 1;
-  node->bounds = leaf_bounds(context_, packed, set.range);
+  node->bounds = reference.bounds();
   update_collapse_cost(*node);
   const double length = static_cast<double>(set.range.last) - set.range.begin;
   context_.progress.add(static_cast<double>(set.size()) * length / total_work_);

@@ -34,7 +34,7 @@ class BinaryTree {
   BinaryNode* build_node(ReferenceSet set, std::size_t depth);
   BinaryNode* build_children(const ClosedTimeRange& range, const ReferenceSet& left_set,
                              const ReferenceSet& right_set, std::size_t depth);
-  BinaryNode* make_leaf(const ReferenceSet& set, const BinaryLeaf& packed);
+  BinaryNode* make_leaf(const ReferenceSet& set);  ///< of one reference
   BinaryNode* make_inner(const ClosedTimeRange& range, BinaryNode* left, BinaryNode* right);
   BinaryNode* split_in_time(const ReferenceSet& set, const ClosedTimeRange (&halves)[2], std::size_t depth);
   BinaryNode* split_in_space(ReferenceSet& set, std::size_t depth, const struct ObjectSplit& split);

@@ -8,20 +8,6 @@
 
 namespace stbvh {
 
-LinearBounds shifted_chord(std::span<const BoundsSample> samples) {
-  const BoundsSample& first = samples.front();
-  const BoundsSample& last = samples.back();
-  F32x4 below(0.0f);
-  F32x4 above(0.0f);
-  for (const BoundsSample& sample : samples.subspan(1, samples.size() - 1)) {
-    const F32x4 s(sample.parameter);
-    const F32x4 r(1.0f - sample.parameter);
-    below = max(below, r * first.lower + s * last.lower - sample.lower);
-    above = max(above, sample.upper - (r * first.upper + s * last.upper));
-  }
-  return {first.lower - below, first.upper + above, last.lower - below, last.upper + above};
-}
-
 namespace {
 
 struct Point {
@@ -56,7 +42,9 @@ Point lower_hull_line(std::span<const Point> points, double centre) {
 }  // namespace
 
 LinearBounds tightest_at_centre(std::span<const BoundsSample> samples) {
-  if (samples.size() <= 2) return shifted_chord(samples);
+  const BoundsSample& first = samples.front();
+  const BoundsSample& last = samples.back();
+  if (samples.size() <= 2) return {first.lower, first.upper, last.lower, last.upper};
   std::array<Point, kMaxSteps + 2> points;
   alignas(16) float lines[4][4] = {};
   for (int axis = 0; axis < 3; ++axis) {

@@ -51,12 +51,8 @@ struct BoundsSample {
   F32x4 lower, upper;
 };
 
-/// The line through the first and the last sample (parameters 0 and 1), moved outwards by the worst violation
-/// of a sample between them: O(samples), vectorised over the axes; what references use.
-LinearBounds shifted_chord(std::span<const BoundsSample> samples);
-
 /// For each face the line outside all samples that is tightest at the centre: the edge of their convex hull
-/// that spans the centre. Optimal for SA'; what leaves use. Samples ascend in parameter, from 0 to 1.
+/// that spans the centre. Optimal for SA'. Samples ascend in parameter, from 0 to 1.
 /// More than two are rounded outwards, for the rounding of parameters and lines.
 LinearBounds tightest_at_centre(std::span<const BoundsSample> samples);
 

@@ -2,8 +2,8 @@
 /// that this implementation really has.
 ///
 /// The paper's C_leaf counts primitive *segments*. A leaf here holds up to eight triangles over all segments
-/// of its time range and costs the same however many those are, so C_leaf counts leaves; a temporal split
-/// then pays only where it shrinks boxes.
+/// of its time range and costs the same however many those are, so C_leaf counts leaves (a reference is one);
+/// a temporal split then pays only where it shrinks boxes.
 #pragma once
 
 #include <cmath>
@@ -19,12 +19,9 @@ namespace stbvh {
 inline constexpr float kLeafCost = 1.0f;
 inline constexpr float kNodeCost = 1.0f;
 
-/// Triangles that a full leaf holds on connected meshes: eight vertices of a triangle strip hold six.
-inline constexpr float kTrianglesPerLeaf = 6.0f;
-
-/// Cost of splitting a set that one leaf could hold: a share of the node that will hold the two children.
-/// 0.5 visits as much and saves 1 % of the bytes (docs/performance.md).
-inline constexpr float kSplitCost = 0.25f;
+/// Triangles share a meshlet unless two leaves would be cheaper even with this share of the node that holds
+/// them: less makes more and smaller leaves (docs/performance.md).
+inline constexpr float kSplitCost = 0.1f;
 
 /// A leaf is worth a temporal split where that leaves less than this share of its expected area.
 inline constexpr float kTemporalWorth = 0.75f;
@@ -32,14 +29,11 @@ inline constexpr float kTemporalWorth = 0.75f;
 /// A set is split in time before it is split in space where at least this share of its leaves is worth it.
 inline constexpr float kTemporalShare = 0.75f;
 
-/// Extent of a leaf, in extents of its triangles: sqrt(5) on a surface. 3 visits 1 % more
-/// (docs/performance.md).
-inline constexpr float kLeafExtent = 2.2f;
-
-/// Leaves needed for `references`, the unit of C_leaf.
-inline float leaf_count(std::size_t references) {
-  return std::ceil(static_cast<float>(references) / kTrianglesPerLeaf);
-}
+/// What a vertex slot of a meshlet is worth, in shares of its area: an eighth of a leaf.
+inline constexpr float kVertexWeight = 0.125f;
+/// A triangle that its neighbours have left alone will cost a leaf of its own: it joins a meshlet the sooner,
+/// by this share of its area, the fewer of them remain.
+inline constexpr float kOrphanWeight = 0.5f;
 
 /// Share of `whole` that `part` takes in time.
 inline float time_share(const ClosedTimeRange& part, const ClosedTimeRange& whole) {

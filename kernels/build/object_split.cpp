@@ -90,7 +90,7 @@ Bins bin_references(std::span<const Reference> references, const Binning& binnin
 }
 
 float side_cost(const LinearBounds& bounds, std::size_t count) {
-  return count == 0 ? 0.0f : bounds.centre_area() * leaf_count(count);
+  return count == 0 ? 0.0f : bounds.centre_area() * static_cast<float>(count);
 }
 
 ObjectSplit find_binned_split(const ReferenceSet& set) {

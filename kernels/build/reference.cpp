@@ -57,12 +57,11 @@ void sample_bounds(const BuildMesh& mesh, const MotionSamples& samples,
 }
 
 LinearBounds motion_bounds(const BuildMesh& mesh, const MotionSamples& samples,
-                           std::span<const std::uint32_t> vertices,
-                           LinearBounds (*fit)(std::span<const BoundsSample>)) {
+                           std::span<const std::uint32_t> vertices) {
   std::array<BoundsSample, kMaxSteps + 2> boxes;
   sample_bounds(mesh, samples, vertices, boxes);
   const std::span<const BoundsSample> used(boxes.data(), samples.count);
-  if (samples.count > 1 && samples.covers_range) return fit(used);
+  if (samples.count > 1 && samples.covers_range) return tightest_at_centre(used);
   BoundsSample all = used[0];
   for (const BoundsSample& box : used) {
     all.lower = min(all.lower, box.lower);
@@ -71,13 +70,13 @@ LinearBounds motion_bounds(const BuildMesh& mesh, const MotionSamples& samples,
   return {all.lower, all.upper, all.lower, all.upper};
 }
 
-Reference make_reference(const LinearBounds& bounds, std::uint32_t mesh, std::uint32_t prim) {
+Reference make_reference(const LinearBounds& bounds, std::uint32_t mesh, std::uint32_t meshlet) {
   Reference r;
   _mm_storeu_ps(r.lower_begin, bounds.lower_begin.v);
   _mm_storeu_ps(r.upper_begin, bounds.upper_begin.v);
   _mm_storeu_ps(r.lower_end, bounds.lower_end.v);
   _mm_storeu_ps(r.upper_end, bounds.upper_end.v);
-  r.prim = prim;
+  r.meshlet = meshlet;
   r.mesh = mesh;
   return r;
 }

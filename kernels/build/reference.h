@@ -1,4 +1,4 @@
-/// A reference: a primitive together with the time range in which a subtree holds it.
+/// A reference: a meshlet together with the time range in which a subtree holds it.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@ namespace stbvh {
 /// the fourth lanes of the corners at its begin carry the ids.
 struct Reference {
   float lower_begin[3];
-  std::uint32_t prim;
+  std::uint32_t meshlet;
   float upper_begin[3];
   std::uint32_t mesh;
   float lower_end[4];
@@ -52,17 +52,15 @@ struct MotionSamples {
 void sample_bounds(const BuildMesh& mesh, const MotionSamples& samples,
                    std::span<const std::uint32_t> vertices, std::span<BoundsSample> boxes);
 
-/// Linear bounds of the given vertices over the range of `samples`, by `fit` (shifted_chord or
-/// tightest_at_centre).
+/// Linear bounds of the given vertices over the range of `samples`.
 LinearBounds motion_bounds(const BuildMesh& mesh, const MotionSamples& samples,
-                           std::span<const std::uint32_t> vertices,
-                           LinearBounds (*fit)(std::span<const BoundsSample>));
+                           std::span<const std::uint32_t> vertices);
 
 /// Moves references towards the front of the array they stand in.
 inline void move_down(const Reference* from, std::size_t count, Reference* to) {
   std::memmove(static_cast<void*>(to), from, count * sizeof(Reference));
 }
 
-Reference make_reference(const LinearBounds& bounds, std::uint32_t mesh, std::uint32_t prim);
+Reference make_reference(const LinearBounds& bounds, std::uint32_t mesh, std::uint32_t meshlet);
 
 }  // namespace stbvh

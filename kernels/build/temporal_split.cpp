@@ -34,8 +34,8 @@ class ReferenceMaker {
       mesh_ = reference.mesh;
     }
     if (samples_->count == 0) return false;
-    const BuildMesh::Triangle triangle = mesh.triangle(reference.prim);
-    bounds = motion_bounds(mesh, *samples_, triangle.vertex, shifted_chord);
+    const Meshlet& meshlet = context_.meshlets[reference.mesh].meshlets()[reference.meshlet];
+    bounds = motion_bounds(mesh, *samples_, meshlet.used_vertices());
     return true;
   }
 
@@ -65,24 +65,6 @@ struct Shrinking {
   LinearBounds whole = LinearBounds::empty();
   LinearBounds halves[2] = {LinearBounds::empty(), LinearBounds::empty()};
 
-  void extend(const Shrinking& other) {
-    whole.extend(other.whole);
-    for (int half = 0; half < 2; ++half) halves[half].extend(other.halves[half]);
-  }
-
-  /// From the bounds of one triangle to those of a leaf around it: wider by a multiple of the triangle's own
-  /// size, whatever its motion adds.
-  void grow_to_leaf() {
-    const F32x4 size = min(whole.upper_begin - whole.lower_begin, whole.upper_end - whole.lower_end);
-    const F32x4 margin = F32x4(0.5f * (kLeafExtent - 1.0f)) * size;
-    for (LinearBounds* b : {&whole, &halves[0], &halves[1]}) {
-      b->lower_begin = b->lower_begin - margin;
-      b->lower_end = b->lower_end - margin;
-      b->upper_begin = b->upper_begin + margin;
-      b->upper_end = b->upper_end + margin;
-    }
-  }
-
   bool is_worth_it(const float (&time_shares)[2]) const {
     const float split = halves[0].centre_area() * time_shares[0] + halves[1].centre_area() * time_shares[1];
     return split < kTemporalWorth * whole.centre_area();
@@ -103,8 +85,6 @@ std::optional<TemporalSplit> find_temporal_split(const BuildContext& context, co
   split.halves[1] = {*boundary, set.range.last};
   ReferenceMaker makers[2] = {{context, split.halves[0]}, {context, split.halves[1]}};
   const float shares[2] = {time_share(split.halves[0], set.range), time_share(split.halves[1], set.range)};
-  const bool one_leaf = set.size() <= kWidth;
-  Shrinking all;
   std::size_t wanted = 0, count = 0;
   for (std::size_t i = 0; i < set.size(); i += stride, ++count) {
     Shrinking one;
@@ -112,12 +92,9 @@ std::optional<TemporalSplit> find_temporal_split(const BuildContext& context, co
     for (int half = 0; half < 2; ++half) {
       if (!makers[half].make(set.references[i], one.halves[half])) one.halves[half] = LinearBounds::empty();
     }
-    if (!one_leaf) one.grow_to_leaf();
     wanted += one.is_worth_it(shares);
-    if (one_leaf) all.extend(one);
   }
-  split.wanted_share = one_leaf ? static_cast<float>(all.is_worth_it(shares))
-                                : static_cast<float>(wanted) / static_cast<float>(count);
+  split.wanted_share = static_cast<float>(wanted) / static_cast<float>(count);
   return split;
 }
 
@@ -133,7 +110,7 @@ ReferenceSet remake_references(const BuildContext& context, const ReferenceSet& 
       LinearBounds bounds;
       const Reference& reference = set.references[i];
       if (maker.make(reference, bounds))
-        storage[out++] = make_reference(bounds, reference.mesh, reference.prim);
+        storage[out++] = make_reference(bounds, reference.mesh, reference.meshlet);
     }
     counts[chunk] = out - begin;
   };

@@ -163,7 +163,7 @@ Encoder::Counts Encoder::measure(BinaryNode& node) const {
   Counts counts;
   if (node.is_leaf()) {
     (is_indexed(*node.leaf) ? counts.indexed_leaves : counts.inline_leaves) = 1;
-    counts.leaf_triangles = node.leaf->triangle_count;
+    counts.leaf_triangles = node.leaf->meshlet->triangle_count;
     counts.leaf_units = node.units = leaf_units(*node.leaf);
     return counts;
   }
@@ -215,16 +215,16 @@ void Encoder::encode_leaf(const BinaryLeaf& leaf, std::byte* out) const {
   LeafHeader header{};
   header.mesh = leaf.mesh;
   header.first_segment = static_cast<std::uint16_t>(leaf.segments.first);
-  header.triangle_count = leaf.triangle_count;
+  header.triangle_count = leaf.meshlet->triangle_count;
   header.indexed = is_indexed(leaf);
-  std::memcpy(header.corners, leaf.corners, sizeof header.corners);
-  std::copy_n(leaf.prims, leaf.triangle_count, header.prim_ids);
+  std::memcpy(header.corners, leaf.meshlet->corners, sizeof header.corners);
+  std::copy_n(leaf.meshlet->prims, leaf.meshlet->triangle_count, header.prim_ids);
   std::memcpy(out, &header, sizeof header);
   out += sizeof header;
 
   std::uint32_t vertices[kWidth];
   for (std::size_t slot = 0; slot < kWidth; ++slot) {
-    vertices[slot] = leaf.vertices[slot < leaf.vertex_count ? slot : 0];
+    vertices[slot] = leaf.meshlet->vertices[slot < leaf.meshlet->vertex_count ? slot : 0];
   }
   if (header.indexed) {
     std::memcpy(out, vertices, sizeof vertices);

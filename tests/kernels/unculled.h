@@ -17,7 +17,7 @@ namespace stbvh::test {
 ///
 /// A tree over one triangle that moves fast is split in time, and those nodes have boxes; so is one over a
 /// thin triangle at rest, if rounding makes its boxes a little larger. So each structure is built over a
-/// triangle that is but the point zero, with an indexed leaf, which reads the caller's vertices when it is
+/// triangle of size 1 that is at rest, with an indexed leaf, which reads the caller's vertices when it is
 /// asked: after building, they are replaced by the moving ones.
 class Unculled {
  public:
@@ -59,11 +59,12 @@ class Unculled {
 
   void add(const MeshView& mesh) {
     constexpr std::array<std::uint32_t, 3> kOwnVertices{0, 1, 2};
+    constexpr Corners kAtRest{Vec3f{0, 0, 0}, Vec3f{1, 0, 0}, Vec3f{0, 1, 0}};
     for (std::size_t prim = 0; prim < mesh.triangle_count; ++prim) {
       std::array<std::uint32_t, 3> vertices;
       std::memcpy(&vertices, static_cast<const char*>(mesh.indices) + prim * mesh.index_stride,
                   sizeof vertices);
-      std::vector<Corners> corners_of_steps(mesh.steps.size(), Corners{});
+      std::vector<Corners> corners_of_steps(mesh.steps.size(), kAtRest);
       std::vector<VertexBufferView> steps;
       for (const Corners& step : corners_of_steps) steps.push_back({step.data(), 3, sizeof(Vec3f)});
       MeshView one = mesh;
@@ -74,7 +75,7 @@ class Unculled {
       indexed.max_inline_steps = 0;
       auto leaf = Structure::build({&one, 1}, indexed);
       if (leaf->statistics().triangles == 0) continue;  // a mesh that is never alive
-      if (leaf->statistics().depth != 0) throw std::logic_error("a point at rest is more than a leaf");
+      if (leaf->statistics().depth != 0) throw std::logic_error("a triangle at rest is more than a leaf");
       for (std::size_t k = 0; k < steps.size(); ++k) corners_of_steps[k] = corners(mesh.steps[k], vertices);
       triangles_.push_back({std::move(leaf), static_cast<std::uint32_t>(prim), std::move(corners_of_steps)});
     }
