@@ -128,6 +128,15 @@ RTCError stbvhSetGeometryPrecision(StbvhGeometry geometry, StbvhPrecision precis
   });
 }
 
+RTCError stbvhSetGeometryInlineShare(StbvhGeometry geometry, float share) {
+  return guarded(geometry, [&](stbvh::plugin::Geometry& g) {
+    if (!(share >= 0.0f && share <= 1.0f)) {
+      throw ApiError(RTC_ERROR_INVALID_ARGUMENT, "share is not within 0 and 1");
+    }
+    g.set_inline_share(share);
+  });
+}
+
 RTCError stbvhSetProgressFunction(StbvhGeometry geometry, RTCProgressMonitorFunction progress,
                                   void* userPtr) {
   return guarded(geometry, [&](stbvh::plugin::Geometry& g) { g.set_progress(progress, userPtr); });

@@ -26,6 +26,7 @@ class Geometry {
   std::vector<MeshDescription>& meshes() { return meshes_; }
 
   void set_precision(Precision precision) { settings_.precision = precision; }
+  void set_inline_share(float share) { settings_.inline_share = share; }
   void set_progress(RTCProgressMonitorFunction progress, void* user_ptr);
 
   /// Builds the tree and commits the RTCGeometry. On an exception the geometry is empty, and committed so.

@@ -23,7 +23,7 @@ struct Entry {
   StructurePtr (*build)(const Scene& scene, unsigned threads);
 };
 
-constexpr std::array<Entry, 12> kEntries{{
+constexpr std::array<Entry, 13> kEntries{{
     {"embree", "Embree's own motion blur tree, as an application gets it by default",
      build_embree<RTC_SCENE_FLAG_NONE>},
     {"embree-robust", "the same with the flag ROBUST", build_embree<RTC_SCENE_FLAG_ROBUST>},
@@ -42,11 +42,16 @@ constexpr std::array<Entry, 12> kEntries{{
      }},
     {"stbvh", "our plugin, as an application attaches it to Embree",
      [](const Scene& scene, unsigned threads) -> StructurePtr {
-       return std::make_unique<StbvhPlugin>(scene, STBVH_PRECISION_WATERTIGHT, threads);
+       return std::make_unique<StbvhPlugin>(scene, PluginSettings{}, threads);
      }},
     {"stbvh-fast", "the same with the precision FAST: not watertight",
      [](const Scene& scene, unsigned threads) -> StructurePtr {
-       return std::make_unique<StbvhPlugin>(scene, STBVH_PRECISION_FAST, threads);
+       return std::make_unique<StbvhPlugin>(scene, PluginSettings{.precision = STBVH_PRECISION_FAST},
+                                            threads);
+     }},
+    {"stbvh-compact", "our plugin with a quarter of the vertices in the leaves: smaller, slower",
+     [](const Scene& scene, unsigned threads) -> StructurePtr {
+       return std::make_unique<StbvhPlugin>(scene, PluginSettings{.inline_share = 0.25f}, threads);
      }},
     {"stbvh-direct", "our kernels without Embree; the vertices in the leaves, as in the plugin",
      [](const Scene& scene, unsigned threads) -> StructurePtr {
@@ -58,7 +63,7 @@ constexpr std::array<Entry, 12> kEntries{{
      }},
     {"stbvh-direct-indexed", "our kernels without Embree; vertex indices in the leaves: smaller, slower",
      [](const Scene& scene, unsigned threads) -> StructurePtr {
-       return std::make_unique<StbvhDirect>(scene, BuildSettings{.max_inline_steps = 0}, threads);
+       return std::make_unique<StbvhDirect>(scene, BuildSettings{.inline_share = 0.0f}, threads);
      }},
     {"stbvh-direct-scalar", "our kernels without Embree and without vector instructions",
      [](const Scene& scene, unsigned threads) -> StructurePtr {

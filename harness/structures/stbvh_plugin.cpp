@@ -10,7 +10,7 @@
 
 namespace stbvh::harness {
 
-StbvhPlugin::StbvhPlugin(const Scene& scene, StbvhPrecision precision, unsigned threads)
+StbvhPlugin::StbvhPlugin(const Scene& scene, const PluginSettings& settings, unsigned threads)
     : device_("", threads) {
   const BuildMeter meter(threads);
   geometry_.reset(stbvhNewGeometry(device_.get()));
@@ -18,7 +18,8 @@ StbvhPlugin::StbvhPlugin(const Scene& scene, StbvhPrecision precision, unsigned 
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
     if (scene.meshes[i].triangle_count() > 0) add_mesh(scene.meshes[i], static_cast<unsigned>(i));
   }
-  check(stbvhSetGeometryPrecision(geometry_.get(), precision));
+  check(stbvhSetGeometryPrecision(geometry_.get(), settings.precision));
+  check(stbvhSetGeometryInlineShare(geometry_.get(), settings.inline_share));
   check(stbvhCommitGeometry(geometry_.get()));
   scene_ = device_.new_scene(RTC_SCENE_FLAG_NONE);
   rtcAttachGeometry(scene_.get(), stbvhGetGeometry(geometry_.get()));

@@ -11,9 +11,15 @@
 
 namespace stbvh::harness {
 
+/// How the plugin is asked to build; the defaults are its own.
+struct PluginSettings {
+  StbvhPrecision precision = STBVH_PRECISION_WATERTIGHT;
+  float inline_share = 1.0f;
+};
+
 class StbvhPlugin final : public StructureUnderTest {
  public:
-  StbvhPlugin(const Scene& scene, StbvhPrecision precision, unsigned threads);
+  StbvhPlugin(const Scene& scene, const PluginSettings& settings, unsigned threads);
 
   const BuildRecord& build_record() const override { return record_; }
   void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override;

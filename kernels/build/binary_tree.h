@@ -16,6 +16,7 @@ struct BinaryLeaf {
   const Meshlet* meshlet;
   std::uint32_t mesh;
   BuildMesh::SegmentRange segments;  ///< {0, 0} and no motion where the mesh is static
+  bool is_indexed;                   ///< set by the encoder
 };
 
 struct BinaryNode {

@@ -1,6 +1,8 @@
 #include "layout/encoder.h"
 
+#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +10,7 @@
 #include <stdexcept>
 
 #include "build/collapse.h"
+#include "build/mbsah.h"
 
 namespace stbvh {
 
@@ -16,6 +19,7 @@ namespace {
 /// Subtrees of fewer leaves are walked by one thread.
 constexpr std::size_t kParallelLeaves = 4096;
 constexpr float kInf = std::numeric_limits<float>::infinity();
+constexpr std::uint32_t kNone = 0xFFFFFFFFu;
 
 LinkKind node_kind(const BinaryNode& node, std::span<BinaryNode* const> children) {
   bool moves = false;
@@ -116,6 +120,49 @@ void write_node(const BinaryNode& node, LinkKind kind, Children children, const 
   }
 }
 
+LeafHeader leaf_header(std::uint32_t mesh, const Meshlet& meshlet) {
+  LeafHeader header{};
+  header.mesh = mesh;
+  header.triangle_count = meshlet.triangle_count;
+  std::memcpy(header.corners, meshlet.corners, sizeof header.corners);
+  std::copy_n(meshlet.prims, meshlet.triangle_count, header.prim_ids);
+  return header;
+}
+
+/// Unused slots repeat the first vertex.
+std::array<std::uint32_t, kWidth> vertex_slots(const Meshlet& meshlet) {
+  std::array<std::uint32_t, kWidth> vertices;
+  vertices.fill(meshlet.vertices[0]);
+  std::copy_n(meshlet.vertices, meshlet.vertex_count, vertices.begin());
+  return vertices;
+}
+
+void encode_indexed_leaf(std::uint32_t mesh, const Meshlet& meshlet, std::byte* out) {
+  LeafHeader header = leaf_header(mesh, meshlet);
+  header.indexed = 1;
+  std::memcpy(out, &header, sizeof header);
+  const std::array<std::uint32_t, kWidth> vertices = vertex_slots(meshlet);
+  std::memcpy(out + sizeof header, vertices.data(), sizeof vertices);
+}
+
+/// A leaf by what each of its bytes brings to rays; of equal ones the first in the tree comes first.
+struct RankedLeaf {
+  float worth;
+  std::uint32_t index;
+
+  bool operator<(const RankedLeaf& other) const {
+    return worth != other.worth ? worth > other.worth : index < other.index;
+  }
+};
+
+void collect_leaves(BinaryNode& node, std::vector<BinaryNode*>& leaves) {
+  if (node.is_leaf()) {
+    leaves.push_back(&node);
+    return;
+  }
+  for (BinaryNode* child : node.children) collect_leaves(*child, leaves);
+}
+
 template <typename Body>
 void for_each_child(bool parallel, std::size_t count, const Body& body) {
   if (parallel) {
@@ -142,27 +189,64 @@ void Encoder::Counts::add(const Counts& other) {
 Encoder::Encoder(const BuildContext& context, const BinaryTree& tree)
     : context_(context), root_(tree.root()) {
   if (root_ == nullptr) return;
+  choose_leaves();
   counts_ = measure(*root_);
   units_ = root_->units;
-  if (units_ > kMaxUnits) throw std::length_error("structure larger than 32 GiB");
+  if (bytes() > kMaxUnits * kUnitBytes) throw std::length_error("structure larger than 32 GiB");
+}
+
+void Encoder::choose_leaves() {
+  const float share = context_.settings.inline_share;
+  if (share >= 1.0f) return;
+  std::vector<BinaryNode*> leaves;
+  collect_leaves(*root_, leaves);
+  const auto bytes = [&](const BinaryNode* node) { return inline_leaf_bytes(leaf_steps(*node->leaf)); };
+  std::vector<RankedLeaf> ranked(leaves.size());
+  double left = 0;
+  for (std::uint32_t i = 0; i < leaves.size(); ++i) {
+    const auto size = static_cast<float>(bytes(leaves[i]));
+    ranked[i] = {expected_area(leaves[i]->bounds, leaves[i]->range) / size, i};
+    left += static_cast<double>(size) * share;
+  }
+  tbb::parallel_sort(ranked.begin(), ranked.end());
+  std::size_t meshlets = 0;
+  for (const MeshletSet& set : context_.meshlets) {
+    first_meshlet_.push_back(meshlets);
+    meshlets += set.meshlets().size();
+  }
+  indexed_.assign(meshlets, kNone);
+  for (const RankedLeaf& rank : ranked) {
+    BinaryNode* const node = leaves[rank.index];
+    const auto size = static_cast<double>(bytes(node));
+    node->leaf->is_indexed = size > left;
+    if (node->leaf->is_indexed) {
+      indexed_[meshlet_number(*node->leaf)] = 0;
+    } else {
+      left -= size;
+    }
+  }
+  for (std::uint32_t& number : indexed_) {
+    if (number != kNone) number = static_cast<std::uint32_t>(indexed_count_++);
+  }
 }
 
 std::size_t Encoder::leaf_steps(const BinaryLeaf& leaf) const {
   return context_.meshes[leaf.mesh].is_static() ? 1 : leaf.segments.last - leaf.segments.first + 2;
 }
 
-bool Encoder::is_indexed(const BinaryLeaf& leaf) const {
-  return leaf_steps(leaf) > context_.settings.max_inline_steps;
+std::size_t Encoder::meshlet_number(const BinaryLeaf& leaf) const {
+  return first_meshlet_[leaf.mesh] +
+         static_cast<std::size_t>(leaf.meshlet - context_.meshlets[leaf.mesh].meshlets().data());
 }
 
 std::size_t Encoder::leaf_units(const BinaryLeaf& leaf) const {
-  return (is_indexed(leaf) ? kIndexedLeafBytes : inline_leaf_bytes(leaf_steps(leaf))) / kUnitBytes;
+  return leaf.is_indexed ? 0 : inline_leaf_bytes(leaf_steps(leaf)) / kUnitBytes;
 }
 
 Encoder::Counts Encoder::measure(BinaryNode& node) const {
   Counts counts;
   if (node.is_leaf()) {
-    (is_indexed(*node.leaf) ? counts.indexed_leaves : counts.inline_leaves) = 1;
+    (node.leaf->is_indexed ? counts.indexed_leaves : counts.inline_leaves) = 1;
     counts.leaf_triangles = node.leaf->meshlet->triangle_count;
     counts.leaf_units = node.units = leaf_units(*node.leaf);
     return counts;
@@ -185,12 +269,28 @@ Encoder::Counts Encoder::measure(BinaryNode& node) const {
 }
 
 Link Encoder::encode(std::byte* data) const {
+  for (std::size_t mesh = 0; mesh < first_meshlet_.size(); ++mesh) {
+    const std::span<const Meshlet> meshlets = context_.meshlets[mesh].meshlets();
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, meshlets.size(), kParallelLeaves),
+                      [&](const auto& part) {
+                        for (std::size_t i = part.begin(); i != part.end(); ++i) {
+                          const std::uint32_t number = indexed_[first_meshlet_[mesh] + i];
+                          if (number == kNone) continue;
+                          encode_indexed_leaf(static_cast<std::uint32_t>(mesh), meshlets[i],
+                                              data + units_ * kUnitBytes + number * kIndexedLeafBytes);
+                        }
+                      });
+  }
   return encode_node(*root_, data, 0);
 }
 
 Link Encoder::encode_node(BinaryNode& node, std::byte* data, std::size_t unit) const {
   if (node.is_leaf()) {
-    encode_leaf(*node.leaf, data + unit * kUnitBytes);
+    if (node.leaf->is_indexed) {
+      const std::size_t number = indexed_[meshlet_number(*node.leaf)];
+      return make_link(LinkKind::kLeaf, units_ + number * (kIndexedLeafBytes / kUnitBytes));
+    }
+    encode_inline_leaf(*node.leaf, data + unit * kUnitBytes);
     return make_link(LinkKind::kLeaf, unit);
   }
   std::array<BinaryNode*, kWidth> children;
@@ -210,26 +310,13 @@ Link Encoder::encode_node(BinaryNode& node, std::byte* data, std::size_t unit) c
   return make_link(kind, unit);
 }
 
-void Encoder::encode_leaf(const BinaryLeaf& leaf, std::byte* out) const {
+void Encoder::encode_inline_leaf(const BinaryLeaf& leaf, std::byte* out) const {
   const BuildMesh& mesh = context_.meshes[leaf.mesh];
-  LeafHeader header{};
-  header.mesh = leaf.mesh;
+  LeafHeader header = leaf_header(leaf.mesh, *leaf.meshlet);
   header.first_segment = static_cast<std::uint16_t>(leaf.segments.first);
-  header.triangle_count = leaf.meshlet->triangle_count;
-  header.indexed = is_indexed(leaf);
-  std::memcpy(header.corners, leaf.meshlet->corners, sizeof header.corners);
-  std::copy_n(leaf.meshlet->prims, leaf.meshlet->triangle_count, header.prim_ids);
   std::memcpy(out, &header, sizeof header);
   out += sizeof header;
-
-  std::uint32_t vertices[kWidth];
-  for (std::size_t slot = 0; slot < kWidth; ++slot) {
-    vertices[slot] = leaf.meshlet->vertices[slot < leaf.meshlet->vertex_count ? slot : 0];
-  }
-  if (header.indexed) {
-    std::memcpy(out, vertices, sizeof vertices);
-    return;
-  }
+  const std::array<std::uint32_t, kWidth> vertices = vertex_slots(*leaf.meshlet);
   for (std::size_t step = 0; step < leaf_steps(leaf); ++step) {
     StepVertices positions;
     for (std::size_t slot = 0; slot < kWidth; ++slot) {
@@ -249,7 +336,7 @@ void Encoder::add_statistics(BuildStatistics& statistics) const {
   statistics.inline_leaves = counts_.inline_leaves;
   statistics.indexed_leaves = counts_.indexed_leaves;
   statistics.leaf_triangles = counts_.leaf_triangles;
-  statistics.leaf_bytes = counts_.leaf_units * kUnitBytes;
+  statistics.leaf_bytes = counts_.leaf_units * kUnitBytes + indexed_count_ * kIndexedLeafBytes;
   statistics.depth = counts_.depth;
 }
 

@@ -2,6 +2,8 @@
 /// rounded outwards.
 #pragma once
 
+#include <vector>
+
 #include "build/build_context.h"
 #include "build/builder.h"
 #include "layout/layout.h"
@@ -13,7 +15,7 @@ class Encoder {
   Encoder(const BuildContext& context, const BinaryTree& tree);
 
   /// Bytes that encode() writes; 0 for an empty tree.
-  std::size_t bytes() const { return units_ * kUnitBytes; }
+  std::size_t bytes() const { return units_ * kUnitBytes + indexed_count_ * kIndexedLeafBytes; }
 
   /// Writes nodes and leaves to `data` (bytes() of it, aligned to kUnitBytes), each node followed by its
   /// children's subtrees in the order in which occlusion rays try them. Returns the root's link.
@@ -29,17 +31,23 @@ class Encoder {
     std::size_t inline_leaves = 0, indexed_leaves = 0, leaf_triangles = 0, leaf_units = 0, depth = 0;
     void add(const Counts& other);
   };
+  /// Chooses which leaves are indexed; numbers the meshlets of those.
+  void choose_leaves();
   Counts measure(BinaryNode& node) const;
   Link encode_node(BinaryNode& node, std::byte* data, std::size_t unit) const;
-  void encode_leaf(const BinaryLeaf& leaf, std::byte* out) const;
+  void encode_inline_leaf(const BinaryLeaf& leaf, std::byte* out) const;
   std::size_t leaf_units(const BinaryLeaf& leaf) const;
   std::size_t leaf_steps(const BinaryLeaf& leaf) const;
-  bool is_indexed(const BinaryLeaf& leaf) const;
+  std::size_t meshlet_number(const BinaryLeaf& leaf) const;
 
   const BuildContext& context_;
   BinaryNode* root_;
   Counts counts_;
-  std::size_t units_ = 0;
+  std::size_t units_ = 0;  ///< of nodes and inline leaves
+  /// Indexed leaves stand behind them, one for each meshlet: leaves of all its time ranges are the same.
+  std::vector<std::size_t> first_meshlet_;  ///< of each mesh, in the next
+  std::vector<std::uint32_t> indexed_;      ///< of each meshlet: number of its indexed leaf, or kNone
+  std::size_t indexed_count_ = 0;
 };
 
 }  // namespace stbvh

@@ -110,7 +110,7 @@ void run(ByteReader in) {
   const std::uint8_t flags = in.byte();
   const std::size_t cancel_at = in.byte();
   BuildSettings settings;
-  settings.max_inline_steps = (flags & 1) != 0 ? in.byte() : kMaxSteps;
+  settings.inline_share = (flags & 1) != 0 ? static_cast<float>(in.byte()) / 255.0f : 1.0f;
   std::vector<FuzzMesh> meshes;
   for (std::size_t count = in.below(kMaxMeshes + 1); count > 0; --count) meshes.push_back(take_mesh(in));
   std::vector<MeshView> views;

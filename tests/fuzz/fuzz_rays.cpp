@@ -48,7 +48,7 @@ class Target {
       views_.push_back(meshes_[i].view());
     }
     BuildSettings settings;
-    if (indexed) settings.max_inline_steps = 0;
+    if (indexed) settings.inline_share = 0.0f;
     structure_ = Structure::build(views_, settings);
     settings.precision = Precision::kFast;
     fast_ = Structure::build(views_, settings);

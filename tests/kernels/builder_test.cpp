@@ -68,7 +68,7 @@ TEST(Builder, StatisticsAddUpToTheBytes) {
 TEST(Builder, IndexedLeavesAreChosenByTheNumberOfSteps) {
   std::vector<TestMesh> meshes = mixed_meshes();
   BuildSettings settings;
-  settings.max_inline_steps = 0;
+  settings.inline_share = 0.0f;
   const auto indexed = Structure::build(views(meshes), settings);
   EXPECT_EQ(indexed->statistics().inline_leaves, 0u);
   const auto inlined = Structure::build(views(meshes));

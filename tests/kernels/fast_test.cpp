@@ -15,13 +15,13 @@ struct Both {
   std::unique_ptr<Structure> watertight, fast;
 };
 
-Both build_both(std::vector<TestMesh>& meshes, std::size_t max_inline_steps) {
+Both build_both(std::vector<TestMesh>& meshes, float inline_share) {
   std::vector<MeshView> views;
   for (std::uint32_t i = 0; i < meshes.size(); ++i) {
     meshes[i].geom_id = i;
     views.push_back(meshes[i].view());
   }
-  BuildSettings settings{.max_inline_steps = max_inline_steps};
+  BuildSettings settings{.inline_share = inline_share};
   Both both{Structure::build(views, settings), nullptr};
   settings.precision = Precision::kFast;
   both.fast = Structure::build(views, settings);
@@ -43,8 +43,8 @@ INSTANTIATE_TEST_SUITE_P(Isas, FastOnIsa, testing::ValuesIn(available_isas()),
 
 TEST_P(FastOnIsa, HitsAsTheWatertightTestButForEdges) {
   std::vector<TestMesh> scene = meshes();
-  for (const std::size_t max_inline_steps : {kMaxSteps, std::size_t{0}}) {
-    const Both both = build_both(scene, max_inline_steps);
+  for (const float inline_share : {1.0f, 0.0f}) {
+    const Both both = build_both(scene, inline_share);
     EXPECT_EQ(both.fast->tree_hash(), both.watertight->tree_hash());
     Random random(5);
     int hits = 0, different = 0;

@@ -232,7 +232,7 @@ Tally compare(std::span<const MeshView> meshes, const BuildSettings& settings, b
   return tally;
 }
 
-constexpr std::size_t kInlineSteps[] = {kMaxSteps, 0};
+constexpr float kInlineShares[] = {1.0f, 0.0f};
 
 class RobustnessOf : public testing::TestWithParam<Scene> {};
 
@@ -244,12 +244,12 @@ TEST_P(RobustnessOf, TreeFindsWhatTheTriangleTestAccepts) {
   for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) scene.meshes[i].geom_id = i;
   const std::vector<MeshView> meshes = views(scene.meshes);
   Random random(99);
-  for (const std::size_t max_inline_steps : kInlineSteps) {
+  for (const float inline_share : kInlineShares) {
     for (const bool flush_build : {false, true}) {
-      SCOPED_TRACE((max_inline_steps > 0 ? "inline" : "indexed") +
+      SCOPED_TRACE((inline_share > 0 ? "inline" : "indexed") +
                    std::string(flush_build ? ", built flushing" : ""));
       BuildSettings settings;
-      settings.max_inline_steps = max_inline_steps;
+      settings.inline_share = inline_share;
       const Tally tally =
           compare(meshes, settings, flush_build, 2000, [&] { return random_ray(scene, random); });
       EXPECT_EQ(tally.wrong, 0) << "of " << tally.rays;
@@ -268,10 +268,10 @@ TEST(Robustness, TimeRangesOfDenormalLength) {
       std::vector<TestMesh> meshes{timed(ordinary(30, steps, 41), range)};
       const Scene scene{"", 1, meshes};
       const std::vector<MeshView> mesh_views = views(meshes);
-      for (const std::size_t max_inline_steps : kInlineSteps) {
+      for (const float inline_share : kInlineShares) {
         for (const bool flush_build : {false, true}) {
           BuildSettings settings;
-          settings.max_inline_steps = max_inline_steps;
+          settings.inline_share = inline_share;
           Random random(42);
           try {
             const Tally tally =

@@ -41,9 +41,9 @@ INSTANTIATE_TEST_SUITE_P(Isas, TraversalOnIsa, testing::ValuesIn(available_isas(
 TEST_P(TraversalOnIsa, FindsWhatTheTriangleTestAccepts) {
   std::vector<TestMesh> meshes = mixed_meshes();
   const std::vector<MeshView> v = views(meshes);
-  for (const std::size_t max_inline_steps : {kMaxSteps, std::size_t{0}, std::size_t{2}}) {
+  for (const float inline_share : {1.0f, 0.0f, 0.5f}) {
     BuildSettings settings;
-    settings.max_inline_steps = max_inline_steps;
+    settings.inline_share = inline_share;
     const auto structure = Structure::build(v, settings);
     const test::Unculled unculled(v);
     Random random(7);

@@ -72,7 +72,7 @@ class Unculled {
       one.triangle_count = 1;
       one.steps = steps;
       BuildSettings indexed;
-      indexed.max_inline_steps = 0;
+      indexed.inline_share = 0.0f;
       auto leaf = Structure::build({&one, 1}, indexed);
       if (leaf->statistics().triangles == 0) continue;  // a mesh that is never alive
       if (leaf->statistics().depth != 0) throw std::logic_error("a triangle at rest is more than a leaf");

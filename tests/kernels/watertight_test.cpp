@@ -64,9 +64,9 @@ TEST_P(WatertightOnIsa, ClosedMovingSphereAtVerticesAndEdges) {
   for (const std::size_t steps : {2u, 3u, 9u, 129u}) {
     TestMesh mesh = test::sphere(24, steps);
     const MeshView view = mesh.view();
-    for (const std::size_t max_inline_steps : {kMaxSteps, std::size_t{0}}) {
+    for (const float inline_share : {1.0f, 0.0f}) {
       BuildSettings settings;
-      settings.max_inline_steps = max_inline_steps;
+      settings.inline_share = inline_share;
       const auto structure = Structure::build({&view, 1}, settings);
       const FlushToZero guard(flush);
       EXPECT_EQ(count_leaks(*structure, mesh, isa, {0, 0, 0}, test::count(10000)), 0u) << steps << " steps";
@@ -79,7 +79,7 @@ TEST_P(WatertightOnIsa, SameHitsOnEveryIsaAndLayout) {
   TestMesh mesh = test::sphere(24, 9);
   const MeshView view = mesh.view();
   BuildSettings indexed;
-  indexed.max_inline_steps = 0;
+  indexed.inline_share = 0.0f;
   const auto a = Structure::build({&view, 1});
   const auto b = Structure::build({&view, 1}, indexed);
   const FlushToZero guard(flush);

@@ -67,12 +67,23 @@ TEST_F(PluginArguments, Null) {
   EXPECT_EQ(stbvhGetMesh(nullptr, 0, &arguments), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhCommitGeometry(nullptr), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhSetGeometryPrecision(nullptr, STBVH_PRECISION_FAST), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(stbvhSetGeometryInlineShare(nullptr, 0.5f), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhSetProgressFunction(nullptr, nullptr, nullptr), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhGetGeometry(nullptr), nullptr);
   EXPECT_EQ(stbvhGetMeshCount(nullptr), 0u);
   EXPECT_STREQ(stbvhGetErrorMessage(nullptr), "geometry is null");
   stbvhRetainGeometry(nullptr);
   stbvhReleaseGeometry(nullptr);
+}
+
+TEST_F(PluginArguments, InlineShareOutOfRange) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const float share : {-0.01f, 1.01f, nan, std::numeric_limits<float>::infinity()}) {
+    EXPECT_EQ(stbvhSetGeometryInlineShare(geometry_.get(), share), RTC_ERROR_INVALID_ARGUMENT) << share;
+  }
+  for (const float share : {0.0f, 0.5f, 1.0f}) {
+    EXPECT_EQ(stbvhSetGeometryInlineShare(geometry_.get(), share), RTC_ERROR_NONE) << share;
+  }
 }
 
 TEST_F(PluginArguments, MeshIndexOutOfRange) {

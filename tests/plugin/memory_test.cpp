@@ -48,6 +48,21 @@ class PluginMemory : public testing::Test {
   Device device_ = new_device();
 };
 
+TEST_F(PluginMemory, FewerVerticesInTheLeavesTakeLess) {
+  std::size_t previous = std::numeric_limits<std::size_t>::max();
+  for (const float share : {1.0f, 0.5f, 0.25f, 0.0f}) {
+    OwnGeometry geometry(stbvhNewGeometry(device_.get()));
+    add_meshes(geometry);
+    ASSERT_EQ(stbvhSetGeometryInlineShare(geometry.get(), share), RTC_ERROR_NONE);
+    ASSERT_EQ(stbvhCommitGeometry(geometry.get()), RTC_ERROR_NONE);
+    StbvhStatistics statistics;
+    statistics.byteSize = sizeof(statistics);
+    ASSERT_EQ(stbvhGetStatistics(geometry.get(), &statistics), RTC_ERROR_NONE);
+    EXPECT_LT(statistics.structureBytes, previous) << share;
+    previous = statistics.structureBytes;
+  }
+}
+
 TEST_F(PluginMemory, IsReportedAndGivenBack) {
   const ssize_t before = monitor_.bytes;
   {

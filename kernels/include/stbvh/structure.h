@@ -40,9 +40,9 @@ enum class Precision {
 };
 
 struct BuildSettings {
-  /// A leaf over more steps than this keeps vertex indices instead of the vertices (0: every leaf is
-  /// indexed).
-  std::size_t max_inline_steps = kMaxSteps;
+  /// How much of the memory that vertices inside the leaves would take may be taken, 0 to 1: leaves that rays
+  /// meet most for their bytes are inline, the others keep vertex indices and read the caller's buffers.
+  float inline_share = 1.0f;
   /// The tree does not depend on it.
   Precision precision = Precision::kWatertight;
 };

@@ -173,6 +173,14 @@ enum StbvhPrecision {
 STBVH_API enum RTCError stbvhSetGeometryPrecision(StbvhGeometry geometry, enum StbvhPrecision precision);
 
 /**
+ * Trades speed for memory from the next commit on. Copies of the vertices inside the tree's leaves make it
+ * fast and are three quarters of its bytes; `share` of them is kept, 0 to 1 (default), where rays profit
+ * most, and the other leaves read the mesh's buffers. 0.25 is a third of the bytes of Embree's own tree at
+ * about its speed or better (docs/results.md). RTC_ERROR_INVALID_ARGUMENT for a share outside [0, 1].
+ */
+STBVH_API enum RTCError stbvhSetGeometryInlineShare(StbvhGeometry geometry, float share);
+
+/**
  * Sets a function that stbvhCommitGeometry calls with the fraction done, 0 to 1, never decreasing, one call
  * at a time but possibly on a worker thread. Returning false cancels the build. Null (default): none.
  */
