@@ -15,6 +15,7 @@
 #include "harness/picture/render_picture.h"
 #include "harness/rays/ray_generator.h"
 #include "harness/report/machine.h"
+#include "harness/scenes/procedural/procedural.h"
 #include "harness/structures/structure_under_test.h"
 #include "tests/hard_cases/hard_case.h"
 
@@ -47,10 +48,12 @@ struct Arguments {
 };
 
 void add_scene_options(CLI::App& app, Arguments& a) {
-  app.add_option("--scenes", a.options.scenes,
-                 "Names of built-in scenes (see list), or .glb and .gltf files; separated by commas")
+  app.add_option(
+         "--scenes", a.options.scenes,
+         "Names of built-in scenes (see list), paper (its six), all, or .glb and .gltf files; separated "
+         "by commas")
       ->delimiter(',')
-      ->required();
+      ->capture_default_str();
   app.add_option(
       "--scale", a.scale,
       "Size of the built-in scenes; 1 has as many triangles as the paper's. Default: each scene's own "
@@ -97,8 +100,27 @@ std::pair<double, double> parse_pair(std::string_view text, char separator, std:
   return {*first, *second};
 }
 
+/// The names, each once, with "paper" and "all" replaced by the scenes they stand for.
+std::vector<std::string> named_scenes(const std::vector<std::string>& asked) {
+  std::vector<std::string> names;
+  const auto add = [&](std::string_view name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
+  };
+  for (const std::string& name : asked) {
+    if (name == "paper") {
+      for (const ProceduralScene& scene : paper_scenes()) add(scene.name);
+    } else if (name == "all") {
+      for (const ProceduralScene& scene : procedural_scenes()) add(scene.name);
+    } else {
+      add(name);
+    }
+  }
+  return names;
+}
+
 void check_scenes(Arguments& a, const CLI::App& command) {
   Options& o = a.options;
+  o.scenes = named_scenes(o.scenes);
   if (command.count("--scale") > 0) {
     if (!(a.scale > 0) || !(a.scale <= kLargestScale)) {
       throw UsageError(

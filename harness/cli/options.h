@@ -24,7 +24,7 @@ enum class Command { kList, kBench, kError, kHard, kPareto, kPicture };
 /// All of them checked: names known, numbers in range.
 struct Options {
   Command command = Command::kList;
-  std::vector<std::string> scenes;
+  std::vector<std::string> scenes{"paper"};  ///< names of built-in scenes, and files
   std::vector<std::string> structures;  ///< in the order of structure_names()
   std::vector<RayKind> rays;
   std::vector<std::string> families;  ///< of hard cases, in the order of hard_families()

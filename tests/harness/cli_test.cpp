@@ -46,7 +46,7 @@ TEST_P(Refused, WithOneLineAndExitCodeTwo) {
 
 INSTANTIATE_TEST_SUITE_P(
     CommandLines, Refused,
-    ::testing::Values("", "no-such-command", "bench", "bench --scenes", "bench --scenes no-such",
+    ::testing::Values("", "no-such-command", "bench --scenes", "bench --scenes no-such",
                       "bench --scenes ''", "bench --scenes no-such.glb",
                       "bench --scenes wheels --structures stbhv", "bench --scenes wheels --rays sideways",
                       "bench --scenes wheels --scale 0", "bench --scenes wheels --scale -1",
@@ -64,7 +64,7 @@ INSTANTIATE_TEST_SUITE_P(
                       "error --scenes a.glb --shutter 1", "error --scenes a.glb --shutter 1,0",
                       "error --scenes a.glb --shutter 0,nan", "hard --families no-such",
                       "hard --structures stbhv", "hard --count 0", "hard --threads 0", "hard --scenes wheels",
-                      "hard --rays bounce", "hard --seed x", "pareto", "pareto --scenes wheels --plot a.png",
+                      "hard --rays bounce", "hard --seed x", "pareto --scenes wheels --plot a.png",
                       "pareto --scenes wheels --json /tmp/a.json --plot /no/such/directory/a.png",
                       "hard --families nan-rays --json /no/such/directory/a.json", "picture --scenes wheels",
                       "picture --scenes wheels -o /proc/none", "picture --scenes wheels -o /tmp --size 0x5",

@@ -19,6 +19,9 @@ struct ProceduralScene {
 /// All built-in scenes, the six of the paper first.
 std::span<const ProceduralScene> procedural_scenes();
 
+/// The six of the paper.
+std::span<const ProceduralScene> paper_scenes();
+
 /// The scene of that name, or null.
 const ProceduralScene* find_procedural_scene(std::string_view name);
 

@@ -18,11 +18,16 @@ constexpr std::array<ProceduralScene, 10> kScenes{{
     {"dancer", "a dancer in a pirouette with a flying skirt, 15 steps", 1.0, make_dancer},
     {"static-city", "a city that stands still, some traffic in it", 1.0, make_static_city},
 }};
+constexpr std::size_t kPaperScenes = 6;
 
 }  // namespace
 
 std::span<const ProceduralScene> procedural_scenes() {
   return kScenes;
+}
+
+std::span<const ProceduralScene> paper_scenes() {
+  return procedural_scenes().first(kPaperScenes);
 }
 
 const ProceduralScene* find_procedural_scene(std::string_view name) {

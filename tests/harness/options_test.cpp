@@ -1,0 +1,41 @@
+/// What command lines are read as.
+#include "harness/cli/options.h"
+
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "harness/scenes/procedural/procedural.h"
+
+namespace stbvh::harness {
+namespace {
+
+Options parse(std::initializer_list<const char*> arguments) {
+  std::vector<const char*> argv{"stbvh-ab"};
+  argv.insert(argv.end(), arguments);
+  return parse_options(static_cast<int>(argv.size()), argv.data()).value();
+}
+
+std::vector<std::string> names_of(std::span<const ProceduralScene> scenes) {
+  std::vector<std::string> names;
+  for (const ProceduralScene& scene : scenes) names.emplace_back(scene.name);
+  return names;
+}
+
+TEST(SceneOptions, AreThoseOfThePaperUnlessNamed) {
+  EXPECT_EQ(parse({"bench"}).scenes, names_of(paper_scenes()));
+  EXPECT_EQ(parse({"error", "--scenes", "paper"}).scenes, names_of(paper_scenes()));
+  EXPECT_EQ(parse({"bench", "--scenes", "all"}).scenes, names_of(procedural_scenes()));
+  EXPECT_EQ(parse({"bench", "--scenes", "cloth,my.glb"}).scenes,
+            (std::vector<std::string>{"cloth", "my.glb"}));
+}
+
+TEST(SceneOptions, NameEachSceneOnce) {
+  std::vector<std::string> expected{"crowd", "llama", "barbershop", "train", "barbarian", "barbarian-rotate"};
+  EXPECT_EQ(parse({"bench", "--scenes", "crowd,paper,crowd"}).scenes, expected);
+}
+
+}  // namespace
+}  // namespace stbvh::harness
