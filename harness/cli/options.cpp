@@ -69,9 +69,12 @@ void add_common_options(CLI::App& app, Arguments& a, const std::string& default_
                  "Names of structures (see list), or all; separated by commas")
       ->delimiter(',')
       ->default_str(default_structures);
+  app.add_option("--json", a.json, "File for the records");
+}
+
+void add_threads_option(CLI::App& app, Arguments& a) {
   app.add_option("--threads", a.options.threads, "Threads, each pinned to a core; also of the builds")
       ->default_str("all cores");
-  app.add_option("--json", a.json, "File for the records");
 }
 
 void add_trace_options(CLI::App& app, Arguments& a, std::size_t default_count) {
@@ -193,12 +196,21 @@ void check_range(const char* option, std::size_t value, std::size_t most) {
     throw UsageError(fmt::format("{} must be 1 to {}, not {}.", option, most, value));
 }
 
+void check_threads(Options& o) {
+  std::vector<unsigned>& counts = o.thread_counts;
+  if (counts.empty()) counts = {o.threads};
+  for (unsigned count : counts) check_range("--threads", count, usable_core_count());
+  std::sort(counts.begin(), counts.end());
+  counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
+  o.threads = counts.back();
+}
+
 void check_trace(Arguments& a) {
   check_structures(a.options);
   check_rays(a);
+  check_threads(a.options);
   check_range("--count", a.options.count, kMostRays);
   check_range("--repeats", a.options.repeats, kMostRepeats);
-  check_range("--threads", a.options.threads, usable_core_count());
   if (!(a.options.build_budget_s >= 0) || !std::isfinite(a.options.build_budget_s)) {
     throw UsageError(
         fmt::format("--build-budget must be at least 0 seconds, not {}.", a.options.build_budget_s));
@@ -250,6 +262,12 @@ void add_bench(CLI::App& app, Arguments& a) {
       *app.add_subcommand("bench", "Build each structure, trace the same rays interleaved, compare");
   add_scene_options(bench, a);
   add_trace_options(bench, a, kDefaultBenchRays);
+  bench
+      .add_option("--threads", a.options.thread_counts,
+                  "Threads, each pinned to a core; several counts, separated by commas: speeds with each of "
+                  "them, builds with the largest")
+      ->delimiter(',')
+      ->default_str("all cores");
   bench.add_option("--repeats", a.options.repeats, "Times that each ray set is traced")
       ->capture_default_str();
   bench
@@ -263,6 +281,7 @@ void add_error(CLI::App& app, Arguments& a) {
       *app.add_subcommand("error", "Hold what each structure answers against brute force in double");
   add_scene_options(error, a);
   add_trace_options(error, a, kDefaultErrorRays);
+  add_threads_option(error, a);
 }
 
 std::string names_of(std::span<const std::string_view> structures) {
@@ -275,6 +294,7 @@ void add_hard(CLI::App& app, Arguments& a) {
   CLI::App& hard = *app.add_subcommand(
       "hard", "Hold what each structure answers to the catalogue of hard cases against the oracle");
   add_common_options(hard, a, names_of(kHardStructures));
+  add_threads_option(hard, a);
   hard.add_option("--families", a.options.families,
                   "Families of hard cases (see list), or all; separated by commas")
       ->delimiter(',')
@@ -289,6 +309,7 @@ void add_pareto(CLI::App& app, Arguments& a) {
       "pareto", "Speed against error: scenes for speed, hard cases for error, a point for each structure");
   add_scene_options(pareto, a);
   add_common_options(pareto, a, names_of(kParetoStructures));
+  add_threads_option(pareto, a);
   pareto.add_option("--count", a.options.count, "Rays of each family of hard cases")
       ->default_str(std::to_string(kDefaultParetoRays));
   pareto.add_option("--repeats", a.options.repeats, "Times that each ray set is traced")

@@ -25,13 +25,14 @@ enum class Command { kList, kBench, kError, kHard, kPareto, kPicture };
 struct Options {
   Command command = Command::kList;
   std::vector<std::string> scenes{"paper"};  ///< names of built-in scenes, and files
-  std::vector<std::string> structures;  ///< in the order of structure_names()
+  std::vector<std::string> structures;       ///< in the order of structure_names()
   std::vector<RayKind> rays;
   std::vector<std::string> families;  ///< of hard cases, in the order of hard_families()
   std::optional<double> scale;        ///< of the paper's scenes; empty: each scene's default
   GltfOptions gltf;
   std::uint64_t seed = 1;
-  unsigned threads = 1;
+  unsigned threads = 1;                 ///< of the builds, and of the rays but where thread_counts has others
+  std::vector<unsigned> thread_counts;  ///< that speeds are measured with, ascending; threads is the largest
   std::size_t repeats = 7;
   std::size_t count = 0;
   double build_budget_s = 3;

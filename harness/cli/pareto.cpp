@@ -59,8 +59,8 @@ void add_family(const FamilyResults& family, Measure measure, std::vector<Pareto
 Spread speed_ratio(const Report& report, const std::string& structure) {
   std::vector<double> ratios;
   for (const SpeedResult& r : report.speeds) {
-    if (r.structure != structure || !r.ratio_to_embree) continue;
-    ratios.push_back(r.ratio_to_embree->median);
+    const std::optional<Spread> ratio = r.ratio_to_embree();
+    if (r.structure == structure && ratio) ratios.push_back(ratio->median);
   }
   if (ratios.empty()) return {};
   const auto [least, largest] = std::minmax_element(ratios.begin(), ratios.end());
@@ -86,23 +86,20 @@ void plot(const std::filesystem::path& records, const std::filesystem::path& pic
 }  // namespace
 
 void run_pareto(const Options& options) {
-  if (options.json) check_writable(*options.json);
   if (options.plot) check_writable(*options.plot);
   Progress progress;
   Report report;
-  PinnedThreads threads(options.threads);
   Options speed = options;
-  speed.json.reset();
   speed.count = kDefaultBenchRays;
   speed.rays = {RayKind::kBounce, RayKind::kUniform};
   speed.build_budget_s = 0;
-  for_each_scene(speed, progress, report,
-                 [&](const Scene& scene) { bench_scene(scene, speed, threads, progress, report); });
+  for_each_scene(speed, progress, [&](const Scene& scene) { bench_scene(scene, speed, progress, report); });
   for (const std::string& name : options.structures) {
     report.paretos.push_back({.structure = name, .ratio_to_embree = speed_ratio(report, name)});
   }
   progress.clear();
   fmt::print("\n{}", hard_heading());
+  PinnedThreads threads(options.threads);
   for (const ParetoFamily& asked : kFamilies) {
     const FamilyResults family =
         run_family(*find_hard_family(asked.name), options.count, options, threads, progress);
@@ -113,8 +110,7 @@ void run_pareto(const Options& options) {
     add_family(family, asked.measure, report.paretos);
   }
   fmt::print("{}\n{}", hard_legend(), pareto_table(report.paretos));
-  if (!options.json) return;
-  write_file(*options.json, to_json(report, this_machine(), built_commit()));
+  write_records(options, report);
   if (options.plot) plot(*options.json, *options.plot);
 }
 

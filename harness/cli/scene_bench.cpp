@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
 #include <map>
 
 #include "harness/cli/session.h"
@@ -19,8 +20,8 @@ constexpr std::string_view kRatioReference = "embree";
 /// Bench of one scene.
 class SceneBench {
  public:
-  SceneBench(const Scene& scene, const Options& options, PinnedThreads& threads, Progress& progress)
-      : scene_(scene), options_(options), threads_(threads), progress_(progress) {}
+  SceneBench(const Scene& scene, const Options& options, Progress& progress)
+      : scene_(scene), options_(options), progress_(progress) {}
 
   void run(Report& report) {
     std::vector<std::string> names = options_.structures;
@@ -71,22 +72,24 @@ class SceneBench {
       structures.push_back(build(name));
       pointers.push_back(structures.back().get());
     }
-    for (const RaySet& set : rays) {
-      if (set.rays.empty()) continue;
-      const std::string_view kind = ray_kind_name(set.kind);
-      const TraceTimes times =
-          trace_interleaved(threads_, pointers, set, options_.repeats, [&](std::size_t repeat) {
-            progress_.stage(
-                fmt::format("{}: tracing {}, {} of {}", scene_.name, kind, repeat, options_.repeats));
-          });
-      for (std::size_t s = 0; s < names.size(); ++s) add_speed(names, s, set, times);
+    for (unsigned count : options_.thread_counts) {
+      PinnedThreads threads(count);
+      for (const RaySet& set : rays) {
+        if (set.rays.empty()) continue;
+        const TraceTimes times =
+            trace_interleaved(threads, pointers, set, options_.repeats, [&](std::size_t repeat) {
+              progress_.stage(fmt::format("{}: tracing {}, {} threads, {} of {}", scene_.name,
+                                          ray_kind_name(set.kind), count, repeat, options_.repeats));
+            });
+        for (std::size_t s = 0; s < names.size(); ++s) add_speed(names, s, set, count, times);
+      }
     }
   }
 
-  void add_speed(const std::vector<std::string>& names, std::size_t s, const RaySet& set,
+  void add_speed(const std::vector<std::string>& names, std::size_t s, const RaySet& set, unsigned threads,
                  const TraceTimes& times) {
     const auto is_known = [&](const SpeedResult& r) {
-      return r.structure == names[s] && r.rays == ray_kind_name(set.kind);
+      return r.structure == names[s] && r.rays == ray_kind_name(set.kind) && r.threads == threads;
     };
     if (std::any_of(speeds_.begin(), speeds_.end(), is_known)) return;  // the reference, in a later group
     const bool has_reference = names.front() == kRatioReference;
@@ -100,10 +103,10 @@ class SceneBench {
                        .structure = names[s],
                        .rays = std::string(ray_kind_name(set.kind)),
                        .ray_count = set.rays.size(),
-                       .threads = threads_.count(),
+                       .threads = threads,
                        .repeats = options_.repeats,
                        .mrays_per_s = spread_of(mrays),
-                       .ratio_to_embree = has_reference ? std::optional(spread_of(ratios)) : std::nullopt,
+                       .ratios_to_embree = ratios,
                        .hits = times.hits[s]});
   }
 
@@ -142,14 +145,19 @@ class SceneBench {
     std::vector<BuildResult> builds;
     for (const std::string& name : names) builds.push_back(build_result(name));
     progress_.clear();
-    fmt::print("{}\n{}", build_table(builds), speed_table(speeds_));
+    fmt::print("{}", build_table(builds));
+    for (unsigned count : options_.thread_counts) {
+      std::vector<SpeedResult> speeds;
+      std::copy_if(speeds_.begin(), speeds_.end(), std::back_inserter(speeds),
+                   [&](const SpeedResult& r) { return r.threads == count; });
+      fmt::print("\n{}", speed_table(speeds));
+    }
     report.builds.insert(report.builds.end(), builds.begin(), builds.end());
     report.speeds.insert(report.speeds.end(), speeds_.begin(), speeds_.end());
   }
 
   const Scene& scene_;
   const Options& options_;
-  PinnedThreads& threads_;
   Progress& progress_;
   std::map<std::string, std::vector<BuildRecord>> builds_;
   std::vector<SpeedResult> speeds_;
@@ -157,9 +165,8 @@ class SceneBench {
 
 }  // namespace
 
-void bench_scene(const Scene& scene, const Options& options, PinnedThreads& threads, Progress& progress,
-                 Report& report) {
-  SceneBench(scene, options, threads, progress).run(report);
+void bench_scene(const Scene& scene, const Options& options, Progress& progress, Report& report) {
+  SceneBench(scene, options, progress).run(report);
 }
 
 }  // namespace stbvh::harness

@@ -46,15 +46,16 @@ TEST_P(Refused, WithOneLineAndExitCodeTwo) {
 
 INSTANTIATE_TEST_SUITE_P(
     CommandLines, Refused,
-    ::testing::Values("", "no-such-command", "bench --scenes", "bench --scenes no-such",
-                      "bench --scenes ''", "bench --scenes no-such.glb",
-                      "bench --scenes wheels --structures stbhv", "bench --scenes wheels --rays sideways",
-                      "bench --scenes wheels --scale 0", "bench --scenes wheels --scale -1",
-                      "bench --scenes wheels --scale nan", "bench --scenes wheels --scale inf",
-                      "bench --scenes wheels --scale 1e30", "bench --scenes wheels --scale abc",
-                      "bench --scenes wheels --repeats 0", "bench --scenes wheels --repeats -3",
-                      "bench --scenes wheels --repeats 1.5", "bench --scenes wheels --threads 0",
-                      "bench --scenes wheels --threads 100000", "bench --scenes wheels --count 0",
+    ::testing::Values("", "no-such-command", "bench --scenes", "bench --scenes no-such", "bench --scenes ''",
+                      "bench --scenes no-such.glb", "bench --scenes wheels --structures stbhv",
+                      "bench --scenes wheels --rays sideways", "bench --scenes wheels --scale 0",
+                      "bench --scenes wheels --scale -1", "bench --scenes wheels --scale nan",
+                      "bench --scenes wheels --scale inf", "bench --scenes wheels --scale 1e30",
+                      "bench --scenes wheels --scale abc", "bench --scenes wheels --repeats 0",
+                      "bench --scenes wheels --repeats -3", "bench --scenes wheels --repeats 1.5",
+                      "bench --scenes wheels --threads 0", "bench --scenes wheels --threads 100000",
+                      "bench --scenes wheels --threads 1,0", "bench --scenes wheels --threads 1,x",
+                      "error --scenes wheels --threads 1,1", "bench --scenes wheels --count 0",
                       "bench --scenes wheels --count 1000000000000", "bench --scenes wheels --seed x",
                       "bench --scenes wheels --build-budget nan", "bench --scenes wheels --build-budget -1",
                       "bench --scenes wheels --json /no/such/directory/a.json",
@@ -116,8 +117,8 @@ TEST_F(Records, OfBenchHoldEveryStructureAndKind) {
   const auto all = records(
       "bench --scenes wheels,cloth --scale 0.02 --structures stbvh,lbvh --rays bounce,shadow --count 500 "
       "--repeats 2 --build-budget 0");
-  // embree joins as the reference
-  EXPECT_EQ(all.size(), 2u * (3u + 3u * 2u));
+  // embree joins as the reference; against embree and lbvh: two kinds of rays, two sums of bytes, build time
+  EXPECT_EQ(all.size(), 2u * (3u + 3u * 2u) + 3u * 2u * 5u);
   for (const auto& r : all) {
     if (r["kind"] != "speed") continue;
     EXPECT_GT(r["mrays_per_s"], 0.0);
@@ -126,6 +127,19 @@ TEST_F(Records, OfBenchHoldEveryStructureAndKind) {
     if (r["structure"] == "embree") {
       EXPECT_EQ(r["ratio_to_embree"], 1.0);
     }
+  }
+}
+
+TEST_F(Records, OfBenchHoldEveryThreadCount) {
+  if (usable_core_count() < 2) GTEST_SKIP() << "one core";
+  const auto all = records(
+      "bench --scenes wheels --scale 0.02 --structures stbvh --rays bounce --count 500 --repeats 2 "
+      "--build-budget 0 --threads 1,2");
+  ASSERT_EQ(all.size(), 2u + 2u * 2u);
+  EXPECT_EQ(all[0]["threads"], 2);
+  for (std::size_t i = 2; i < all.size(); ++i) {
+    EXPECT_EQ(all[i]["threads"], i < 4 ? 1 : 2);
+    EXPECT_EQ(all[i]["ratios_to_embree"].size(), 2u);
   }
 }
 

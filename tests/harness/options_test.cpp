@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/cli/pinned_threads.h"
 #include "harness/scenes/procedural/procedural.h"
 
 namespace stbvh::harness {
@@ -35,6 +36,16 @@ TEST(SceneOptions, AreThoseOfThePaperUnlessNamed) {
 TEST(SceneOptions, NameEachSceneOnce) {
   std::vector<std::string> expected{"crowd", "llama", "barbershop", "train", "barbarian", "barbarian-rotate"};
   EXPECT_EQ(parse({"bench", "--scenes", "crowd,paper,crowd"}).scenes, expected);
+}
+
+TEST(ThreadOptions, AreAllCoresOrAListOfCounts) {
+  EXPECT_EQ(parse({"bench"}).thread_counts, std::vector<unsigned>{usable_core_count()});
+  EXPECT_EQ(parse({"bench"}).threads, usable_core_count());
+  EXPECT_EQ(parse({"error", "--threads", "1"}).thread_counts, std::vector<unsigned>{1});
+  EXPECT_EQ(parse({"bench", "--threads", "1,1"}).thread_counts, std::vector<unsigned>{1});
+  if (usable_core_count() < 2) GTEST_SKIP() << "one core";
+  EXPECT_EQ(parse({"bench", "--threads", "2,1"}).thread_counts, (std::vector<unsigned>{1, 2}));
+  EXPECT_EQ(parse({"bench", "--threads", "2,1"}).threads, 2u);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ Report small_report() {
                            .threads = 1,
                            .repeats = 7,
                            .mrays_per_s = {2, 1, 3},
-                           .ratio_to_embree = Spread{1, 1, 1},
+                           .ratios_to_embree = {1, 1, 1},
                            .hits = 4});
   report.errors.push_back({.scene = "s", .structure = "embree", .rays = "bounce", .traced = 30});
   report.hards.push_back({.family = "f", .structure = "embree", .traced = 30, .leaks = 2});
@@ -61,7 +61,7 @@ TEST(Json, HasTheFieldsThatOthersRead) {
 
 TEST(Json, RatioWithoutReferenceIsNull) {
   Report report = small_report();
-  report.speeds[0].ratio_to_embree.reset();
+  report.speeds[0].ratios_to_embree.clear();
   const auto json = nlohmann::json::parse(to_json(report, Machine{}, ""));
   EXPECT_TRUE(json["records"][1]["ratio_to_embree"].is_null());
 }
@@ -142,7 +142,6 @@ TEST(Table, ShowsRatiosAndSpread) {
   EXPECT_NE(speed_table(report.speeds).find("1.00 (1.00-1.00)"), std::string::npos);
   EXPECT_NE(build_table(report.builds).find("1.00-3.00 (0)"), std::string::npos);
   EXPECT_NE(error_table(report.errors).find("0 (<1.0e-01)"), std::string::npos);
-  EXPECT_EQ(speed_summary(report), "");
 }
 
 TEST(RateBound, OfNothingFoundIsThreeByN) {
