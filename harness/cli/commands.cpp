@@ -37,6 +37,8 @@ void run(const Options& options) {
       return run_hard(options);
     case Command::kPareto:
       return run_pareto(options);
+    case Command::kScaling:
+      return run_scaling(options);
     case Command::kPicture:
       return run_picture(options);
   }

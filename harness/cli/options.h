@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "harness/rays/ray_set.h"
@@ -18,8 +19,13 @@ inline constexpr std::size_t kDefaultBenchRays = 100'000;
 inline constexpr std::size_t kDefaultErrorRays = 20'000;
 inline constexpr std::size_t kDefaultHardRays = 20'000;
 inline constexpr std::size_t kDefaultParetoRays = 100'000;
+inline constexpr std::size_t kDefaultScalingRays = 100'000;
 
-enum class Command { kList, kBench, kError, kHard, kPareto, kPicture };
+enum class Command { kList, kBench, kError, kHard, kPareto, kPicture, kScaling };
+
+/// What a scaling run varies.
+enum class Over { kSteps, kTriangles, kThreads };
+std::string_view over_name(Over over);
 
 /// All of them checked: names known, numbers in range.
 struct Options {
@@ -38,6 +44,8 @@ struct Options {
   double build_budget_s = 3;
   std::optional<std::filesystem::path> json;
   std::optional<std::filesystem::path> plot;  ///< made from the records, so only with json
+  Over over = Over::kSteps;
+  std::vector<std::size_t> values;  ///< of what a scaling run varies, ascending
   std::filesystem::path directory;
   std::size_t picture_width = 960;
   std::size_t picture_height = 540;

@@ -23,15 +23,19 @@ class SceneBench {
   SceneBench(const Scene& scene, const Options& options, Progress& progress)
       : scene_(scene), options_(options), progress_(progress) {}
 
-  void run(Report& report) {
-    std::vector<std::string> names = options_.structures;
-    std::erase(names, kRatioReference);
-    names.insert(names.begin(), std::string(kRatioReference));
-    names = structures_that_fit(names, scene_, kRatioReference);
-    const std::vector<RaySet> rays = make_ray_sets(scene_, options_, progress_);
-    for (const auto& group : groups_in_memory(names)) trace_group(group, rays);
+  SceneFigures run(std::vector<std::string> names) {
+    if (options_.rays.empty()) {
+      names = structures_that_fit(names, scene_, "");
+      for (const std::string& name : names) build(name);
+    } else {
+      names = structures_that_fit(names, scene_, kRatioReference);
+      const std::vector<RaySet> rays = make_ray_sets(scene_, options_, progress_);
+      for (const auto& group : groups_in_memory(names)) trace_group(group, rays);
+    }
     build_again(names);
-    print(names, report);
+    SceneFigures figures{{}, std::move(speeds_)};
+    for (const std::string& name : names) figures.builds.push_back(build_result(name));
+    return figures;
   }
 
  private:
@@ -141,21 +145,6 @@ class SceneBench {
             .resident_bytes = first.resident_bytes};
   }
 
-  void print(const std::vector<std::string>& names, Report& report) const {
-    std::vector<BuildResult> builds;
-    for (const std::string& name : names) builds.push_back(build_result(name));
-    progress_.clear();
-    fmt::print("{}", build_table(builds));
-    for (unsigned count : options_.thread_counts) {
-      std::vector<SpeedResult> speeds;
-      std::copy_if(speeds_.begin(), speeds_.end(), std::back_inserter(speeds),
-                   [&](const SpeedResult& r) { return r.threads == count; });
-      fmt::print("\n{}", speed_table(speeds));
-    }
-    report.builds.insert(report.builds.end(), builds.begin(), builds.end());
-    report.speeds.insert(report.speeds.end(), speeds_.begin(), speeds_.end());
-  }
-
   const Scene& scene_;
   const Options& options_;
   Progress& progress_;
@@ -165,8 +154,29 @@ class SceneBench {
 
 }  // namespace
 
+std::vector<std::string> with_reference(std::vector<std::string> names) {
+  std::erase(names, kRatioReference);
+  names.insert(names.begin(), std::string(kRatioReference));
+  return names;
+}
+
+SceneFigures measure_scene(const Scene& scene, const std::vector<std::string>& names, const Options& options,
+                           Progress& progress) {
+  return SceneBench(scene, options, progress).run(names);
+}
+
 void bench_scene(const Scene& scene, const Options& options, Progress& progress, Report& report) {
-  SceneBench(scene, options, progress).run(report);
+  const SceneFigures figures = measure_scene(scene, with_reference(options.structures), options, progress);
+  progress.clear();
+  fmt::print("{}", build_table(figures.builds));
+  for (unsigned count : options.thread_counts) {
+    std::vector<SpeedResult> speeds;
+    std::copy_if(figures.speeds.begin(), figures.speeds.end(), std::back_inserter(speeds),
+                 [&](const SpeedResult& r) { return r.threads == count; });
+    fmt::print("\n{}", speed_table(speeds));
+  }
+  report.builds.insert(report.builds.end(), figures.builds.begin(), figures.builds.end());
+  report.speeds.insert(report.speeds.end(), figures.speeds.begin(), figures.speeds.end());
 }
 
 }  // namespace stbvh::harness

@@ -130,6 +130,19 @@ Json to_record(const SummaryResult& r) {
           {"worst_ratio_max", r.worst.max}};
 }
 
+Json to_record(const ScalingResult& r) {
+  Json record = to_record(r.build);
+  record["kind"] = "scaling";
+  record["over"] = r.over;
+  record["value"] = r.value;
+  for (const SpeedResult& speed : r.speeds) {
+    record[speed.rays + "_mrays_per_s"] = speed.mrays_per_s.median;
+    record[speed.rays + "_mrays_per_s_min"] = speed.mrays_per_s.min;
+    record[speed.rays + "_mrays_per_s_max"] = speed.mrays_per_s.max;
+  }
+  return record;
+}
+
 }  // namespace
 
 std::string to_json(const Report& report, const Machine& machine, const std::string& commit) {
@@ -140,6 +153,7 @@ std::string to_json(const Report& report, const Machine& machine, const std::str
   for (const HardResult& r : report.hards) records.push_back(to_record(r));
   for (const ParetoResult& r : report.paretos) records.push_back(to_record(r));
   for (const SummaryResult& r : report.summaries) records.push_back(to_record(r));
+  for (const ScalingResult& r : report.scalings) records.push_back(to_record(r));
   const Json root = {{"machine",
                       {{"cpu", machine.cpu},
                        {"cores", machine.cores},

@@ -114,6 +114,14 @@ struct ParetoResult {
   double t_error_rel_p99 = 0;  ///< far from the origin
 };
 
+/// A structure at one point of a scaling run.
+struct ScalingResult {
+  std::string over;       ///< "steps", "triangles" or "threads"
+  std::size_t value = 0;  ///< how many of them, as asked; what the scene has of triangles is in `build`
+  BuildResult build;
+  std::vector<SpeedResult> speeds{};  ///< of each kind of rays; none over triangles
+};
+
 /// A structure against a reference over all scenes of a run that hold both.
 struct SummaryResult {
   std::string structure;
@@ -134,6 +142,7 @@ struct Report {
   std::vector<HardResult> hards;
   std::vector<ParetoResult> paretos;
   std::vector<SummaryResult> summaries;
+  std::vector<ScalingResult> scalings;
 };
 
 }  // namespace stbvh::harness

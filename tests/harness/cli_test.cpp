@@ -67,7 +67,14 @@ INSTANTIATE_TEST_SUITE_P(
                       "hard --structures stbhv", "hard --count 0", "hard --threads 0", "hard --scenes wheels",
                       "hard --rays bounce", "hard --seed x", "pareto --scenes wheels --plot a.png",
                       "pareto --scenes wheels --json /tmp/a.json --plot /no/such/directory/a.png",
-                      "hard --families nan-rays --json /no/such/directory/a.json", "picture --scenes wheels",
+                      "hard --families nan-rays --json /no/such/directory/a.json", "scaling",
+                      "scaling --over colours", "scaling --over steps --values 1,2",
+                      "scaling --over steps --values 130", "scaling --over steps --values x",
+                      "scaling --over steps --scene crowd", "scaling --over triangles --values 0",
+                      "scaling --over triangles --scale 1",
+                      "scaling --over triangles --values 10000000 --scene barbarian-rotate",
+                      "scaling --over threads --threads 1", "scaling --over threads --values 100000",
+                      "scaling --over steps --json /no/such/directory/a.json", "picture --scenes wheels",
                       "picture --scenes wheels -o /proc/none", "picture --scenes wheels -o /tmp --size 0x5",
                       "picture --scenes wheels -o /tmp --size 5", "picture --scenes wheels -o /tmp --spp 0"));
 
@@ -141,6 +148,68 @@ TEST_F(Records, OfBenchHoldEveryThreadCount) {
     EXPECT_EQ(all[i]["threads"], i < 4 ? 1 : 2);
     EXPECT_EQ(all[i]["ratios_to_embree"].size(), 2u);
   }
+}
+
+TEST_F(Records, OfScalingHoldEveryStepCountAndStructure) {
+  const auto all = records(
+      "scaling --over steps --values 3,2,5 --scale 0.005 --structures stbvh-direct,lbvh --count 500 "
+      "--repeats 2 "
+      "--build-budget 0");
+  ASSERT_EQ(all.size(), 3u * 3u);  // embree joins
+  std::size_t segments = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto& r = all[i];
+    EXPECT_EQ(r["kind"], "scaling");
+    EXPECT_EQ(r["over"], "steps");
+    EXPECT_EQ(r["scene"], "cloth");
+    EXPECT_EQ(r["value"], (std::vector{2, 3, 5}[i / 3]));
+    EXPECT_EQ(r["structure"], (std::vector{"embree", "lbvh", "stbvh-direct"}[i % 3]));
+    EXPECT_EQ(r["triangles"], all[0]["triangles"]);
+    EXPECT_GT(r["structure_bytes"], 0);
+    EXPECT_GT(r["build_s"], 0.0);
+    for (const char* rays : {"bounce", "uniform"}) {
+      EXPECT_GT(r[std::string(rays) + "_mrays_per_s"], 0.0);
+      EXPECT_LE(r[std::string(rays) + "_mrays_per_s_min"], r[std::string(rays) + "_mrays_per_s_max"]);
+    }
+    if (i % 3 == 0) {
+      EXPECT_GT(r["primitive_segments"], segments);
+      segments = r["primitive_segments"];
+    }
+  }
+}
+
+TEST_F(Records, OfScalingOverTrianglesAreBuilds) {
+  const auto all = records(
+      "scaling --over triangles --values 2000,8000 --scene barbarian-rotate --structures embree,stbvh-direct "
+      "--build-budget 0");
+  ASSERT_EQ(all.size(), 4u);
+  for (const auto& r : all) {
+    const double asked = r["value"];
+    EXPECT_NEAR(r["triangles"], asked, 0.1 * asked);
+    EXPECT_GE(r["peak_bytes"], r["structure_bytes"]);
+    EXPECT_FALSE(r.contains("bounce_mrays_per_s"));
+  }
+  EXPECT_EQ(all[3]["value"], 8000);
+}
+
+TEST_F(Records, OfScalingOverThreadsHoldEachCount) {
+  const auto all =
+      records("scaling --over threads --scale 0.005 --structures embree --count 500 --repeats 2");
+  ASSERT_EQ(all.size(), usable_core_count());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(all[i]["threads"], i + 1);
+    EXPECT_EQ(all[i]["value"], i + 1);
+  }
+}
+
+TEST(Program, ScalingLeavesOutSlowBuilds) {
+  const Outcome run = stbvh_ab(
+      "scaling --over triangles --values 1000,2000,4000 --structures embree,stbvh-direct --build-budget "
+      "1e-9");
+  EXPECT_EQ(run.exit_code, 0) << run.out;
+  for (const char* name : {"embree", "stbvh-direct"})
+    EXPECT_NE(run.out.find(std::string(name) + " left out of larger scenes"), std::string::npos) << run.out;
+  EXPECT_EQ(run.out.find("with 2000 triangles"), std::string::npos) << run.out;
 }
 
 TEST_F(Records, OfParetoAreAPointForEachStructure) {
