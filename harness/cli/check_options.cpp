@@ -266,6 +266,11 @@ Options checked_options(Arguments a, const CLI::App& command) {
     check_hard(a, command);
     return a.options;
   }
+  if (name == "charts") {
+    a.options.command = Command::kCharts;
+    a.options.directory = a.directory;
+    return a.options;
+  }
   if (name == "scaling") {
     a.options.command = Command::kScaling;
     check_scaling(a, command);

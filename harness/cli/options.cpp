@@ -144,6 +144,23 @@ void add_scaling(CLI::App& app, Arguments& a) {
       ->default_str(fmt::format("{}", kScalingBuildBudget));
 }
 
+void add_charts(CLI::App& app, Arguments& a) {
+  CLI::App& charts = *app.add_subcommand(
+      "charts", "Draw the records of bench and scaling: speed, bytes, build time (needs python3-matplotlib)");
+  charts.add_option("records", a.options.record_files, "Files that bench and scaling wrote with --json")
+      ->required();
+  charts.add_option("-o,--output", a.directory, "Directory for the charts")->required();
+  charts
+      .add_option(
+          "--structures", a.options.structures,
+          "Names of structures in the records, separated by commas, in the order in which they are drawn")
+      ->delimiter(',')
+      ->default_str("all");
+  charts.add_option("--format", a.options.chart_format, "svg or png")
+      ->check(CLI::IsMember({"svg", "png"}))
+      ->capture_default_str();
+}
+
 void add_picture(CLI::App& app, Arguments& a) {
   CLI::App& picture = *app.add_subcommand("picture", "Write a shaded, motion-blurred PNG of each scene");
   add_scene_options(picture, a);
@@ -167,6 +184,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   add_hard(app, a);
   add_pareto(app, a);
   add_scaling(app, a);
+  add_charts(app, a);
   add_picture(app, a);
   try {
     app.parse(argc, argv);

@@ -21,7 +21,7 @@ inline constexpr std::size_t kDefaultHardRays = 20'000;
 inline constexpr std::size_t kDefaultParetoRays = 100'000;
 inline constexpr std::size_t kDefaultScalingRays = 100'000;
 
-enum class Command { kList, kBench, kError, kHard, kPareto, kPicture, kScaling };
+enum class Command { kList, kBench, kError, kHard, kPareto, kPicture, kScaling, kCharts };
 
 /// What a scaling run varies.
 enum class Over { kSteps, kTriangles, kThreads };
@@ -31,7 +31,7 @@ std::string_view over_name(Over over);
 struct Options {
   Command command = Command::kList;
   std::vector<std::string> scenes{"paper"};  ///< names of built-in scenes, and files
-  std::vector<std::string> structures;       ///< in the order of structure_names()
+  std::vector<std::string> structures;       ///< in the order of structure_names(); of charts: as named
   std::vector<RayKind> rays;
   std::vector<std::string> families;  ///< of hard cases, in the order of hard_families()
   std::optional<double> scale;        ///< of the paper's scenes; empty: each scene's default
@@ -45,7 +45,9 @@ struct Options {
   std::optional<std::filesystem::path> json;
   std::optional<std::filesystem::path> plot;  ///< made from the records, so only with json
   Over over = Over::kSteps;
-  std::vector<std::size_t> values;  ///< of what a scaling run varies, ascending
+  std::vector<std::size_t> values;        ///< of what a scaling run varies, ascending
+  std::vector<std::string> record_files;  ///< that charts draws
+  std::string chart_format = "svg";       ///< or "png"
   std::filesystem::path directory;
   std::size_t picture_width = 960;
   std::size_t picture_height = 540;

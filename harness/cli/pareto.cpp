@@ -1,7 +1,5 @@
 /// Speed against error: one point for each structure.
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -9,13 +7,11 @@
 #include "harness/cli/commands.h"
 #include "harness/cli/family_run.h"
 #include "harness/cli/scene_bench.h"
+#include "harness/cli/script.h"
 #include "harness/cli/session.h"
 #include "harness/files/output_file.h"
-#include "harness/report/json.h"
 #include "harness/report/machine.h"
 #include "harness/report/table.h"
-
-extern char** environ;  // NOLINT: POSIX declares it nowhere
 
 namespace stbvh::harness {
 namespace {
@@ -67,22 +63,6 @@ Spread speed_ratio(const Report& report, const std::string& structure) {
   return {geometric_mean(ratios), *least, *largest};
 }
 
-/// Runs plot_pareto.py; matplotlib is Debian's, so is the interpreter.
-void plot(const std::filesystem::path& records, const std::filesystem::path& picture) {
-  std::string words[] = {"/usr/bin/python3", STBVH_SOURCE_DIR "/harness/report/plot_pareto.py",
-                         records.string(), picture.string()};
-  char* arguments[] = {words[0].data(), words[1].data(), words[2].data(), words[3].data(), nullptr};
-  pid_t child = 0;
-  int status = 0;
-  if (posix_spawn(&child, arguments[0], nullptr, nullptr, arguments, environ) != 0 ||
-      waitpid(child, &status, 0) != child || status != 0) {
-    throw std::runtime_error(
-        fmt::format("The plot \"{}\" was not made (it needs Debian's python3-matplotlib); the records are in "
-                    "\"{}\".",
-                    picture.string(), records.string()));
-  }
-}
-
 }  // namespace
 
 void run_pareto(const Options& options) {
@@ -111,7 +91,7 @@ void run_pareto(const Options& options) {
   }
   fmt::print("{}\n{}", hard_legend(), pareto_table(report.paretos));
   write_records(options, report);
-  if (options.plot) plot(*options.json, *options.plot);
+  if (options.plot) run_script("plot_pareto.py", {options.json->string(), options.plot->string()});
 }
 
 }  // namespace stbvh::harness

@@ -1,9 +1,7 @@
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -14,26 +12,10 @@
 #include "harness/cli/closest_name.h"
 #include "harness/cli/pinned_threads.h"
 #include "harness/cli/wrong_answers.h"
+#include "tests/harness/run_stbvh_ab.h"
 
 namespace stbvh::harness {
 namespace {
-
-struct Outcome {
-  int exit_code;
-  std::string out;  ///< stdout and stderr
-};
-
-/// Runs the built program.
-Outcome stbvh_ab(const std::string& arguments) {
-  const std::string command = std::string(STBVH_AB) + " " + arguments + " 2>&1";
-  FILE* pipe = popen(command.c_str(), "r");
-  Outcome run{-1, ""};
-  char buffer[4096];
-  while (const std::size_t n = fread(buffer, 1, sizeof(buffer), pipe)) run.out.append(buffer, n);
-  const int status = pclose(pipe);
-  if (WIFEXITED(status)) run.exit_code = WEXITSTATUS(status);
-  return run;
-}
 
 class Refused : public ::testing::TestWithParam<const char*> {};
 
@@ -46,37 +28,37 @@ TEST_P(Refused, WithOneLineAndExitCodeTwo) {
 
 INSTANTIATE_TEST_SUITE_P(
     CommandLines, Refused,
-    ::testing::Values("", "no-such-command", "bench --scenes", "bench --scenes no-such", "bench --scenes ''",
-                      "bench --scenes no-such.glb", "bench --scenes wheels --structures stbhv",
-                      "bench --scenes wheels --rays sideways", "bench --scenes wheels --scale 0",
-                      "bench --scenes wheels --scale -1", "bench --scenes wheels --scale nan",
-                      "bench --scenes wheels --scale inf", "bench --scenes wheels --scale 1e30",
-                      "bench --scenes wheels --scale abc", "bench --scenes wheels --repeats 0",
-                      "bench --scenes wheels --repeats -3", "bench --scenes wheels --repeats 1.5",
-                      "bench --scenes wheels --threads 0", "bench --scenes wheels --threads 100000",
-                      "bench --scenes wheels --threads 1,0", "bench --scenes wheels --threads 1,x",
-                      "error --scenes wheels --threads 1,1", "bench --scenes wheels --count 0",
-                      "bench --scenes wheels --count 1000000000000", "bench --scenes wheels --seed x",
-                      "bench --scenes wheels --build-budget nan", "bench --scenes wheels --build-budget -1",
-                      "bench --scenes wheels --json /no/such/directory/a.json",
-                      "bench --scenes wheels --json /tmp", "error --scenes wheels --json /proc/a.json",
-                      "error --scenes wheels --no-such-option", "error --scenes wheels --repeats 3",
-                      "error --scenes a.glb --steps 0", "error --scenes a.glb --steps 130",
-                      "error --scenes a.glb --shutter 1", "error --scenes a.glb --shutter 1,0",
-                      "error --scenes a.glb --shutter 0,nan", "hard --families no-such",
-                      "hard --structures stbhv", "hard --count 0", "hard --threads 0", "hard --scenes wheels",
-                      "hard --rays bounce", "hard --seed x", "pareto --scenes wheels --plot a.png",
-                      "pareto --scenes wheels --json /tmp/a.json --plot /no/such/directory/a.png",
-                      "hard --families nan-rays --json /no/such/directory/a.json", "scaling",
-                      "scaling --over colours", "scaling --over steps --values 1,2",
-                      "scaling --over steps --values 130", "scaling --over steps --values x",
-                      "scaling --over steps --scene crowd", "scaling --over triangles --values 0",
-                      "scaling --over triangles --scale 1",
-                      "scaling --over triangles --values 10000000 --scene barbarian-rotate",
-                      "scaling --over threads --threads 1", "scaling --over threads --values 100000",
-                      "scaling --over steps --json /no/such/directory/a.json", "picture --scenes wheels",
-                      "picture --scenes wheels -o /proc/none", "picture --scenes wheels -o /tmp --size 0x5",
-                      "picture --scenes wheels -o /tmp --size 5", "picture --scenes wheels -o /tmp --spp 0"));
+    ::testing::Values(
+        "", "no-such-command", "bench --scenes", "bench --scenes no-such", "bench --scenes ''",
+        "bench --scenes no-such.glb", "bench --scenes wheels --structures stbhv",
+        "bench --scenes wheels --rays sideways", "bench --scenes wheels --scale 0",
+        "bench --scenes wheels --scale -1", "bench --scenes wheels --scale nan",
+        "bench --scenes wheels --scale inf", "bench --scenes wheels --scale 1e30",
+        "bench --scenes wheels --scale abc", "bench --scenes wheels --repeats 0",
+        "bench --scenes wheels --repeats -3", "bench --scenes wheels --repeats 1.5",
+        "bench --scenes wheels --threads 0", "bench --scenes wheels --threads 100000",
+        "bench --scenes wheels --threads 1,0", "bench --scenes wheels --threads 1,x",
+        "error --scenes wheels --threads 1,1", "bench --scenes wheels --count 0",
+        "bench --scenes wheels --count 1000000000000", "bench --scenes wheels --seed x",
+        "bench --scenes wheels --build-budget nan", "bench --scenes wheels --build-budget -1",
+        "bench --scenes wheels --json /no/such/directory/a.json", "bench --scenes wheels --json /tmp",
+        "error --scenes wheels --json /proc/a.json", "error --scenes wheels --no-such-option",
+        "error --scenes wheels --repeats 3", "error --scenes a.glb --steps 0",
+        "error --scenes a.glb --steps 130", "error --scenes a.glb --shutter 1",
+        "error --scenes a.glb --shutter 1,0", "error --scenes a.glb --shutter 0,nan",
+        "hard --families no-such", "hard --structures stbhv", "hard --count 0", "hard --threads 0",
+        "hard --scenes wheels", "hard --rays bounce", "hard --seed x", "pareto --scenes wheels --plot a.png",
+        "pareto --scenes wheels --json /tmp/a.json --plot /no/such/directory/a.png",
+        "hard --families nan-rays --json /no/such/directory/a.json", "scaling", "scaling --over colours",
+        "scaling --over steps --values 1,2", "scaling --over steps --values 130",
+        "scaling --over steps --values x", "scaling --over steps --scene crowd",
+        "scaling --over triangles --values 0", "scaling --over triangles --scale 1",
+        "scaling --over triangles --values 10000000 --scene barbarian-rotate",
+        "scaling --over threads --threads 1", "scaling --over threads --values 100000",
+        "scaling --over steps --json /no/such/directory/a.json", "charts", "charts a.json", "charts -o /tmp",
+        "charts a.json -o /tmp --format pdf", "charts /no/such.json -o /tmp", "picture --scenes wheels",
+        "picture --scenes wheels -o /proc/none", "picture --scenes wheels -o /tmp --size 0x5",
+        "picture --scenes wheels -o /tmp --size 5", "picture --scenes wheels -o /tmp --spp 0"));
 
 TEST(Program, SuggestsTheClosestName) {
   EXPECT_NE(stbvh_ab("bench --scenes wheals").out.find("did you mean \"wheels\""), std::string::npos);
