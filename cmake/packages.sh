@@ -4,6 +4,7 @@
 build_packages=(cmake ninja-build g++ git libembree-dev libtbb-dev libfmt-dev libpng-dev libtinygltf-dev
   nlohmann-json3-dev libcli11-dev libgmp-dev)
 test_packages=(libgtest-dev)
+chart_packages=(python3-matplotlib)
 format_packages=(clang-format)
 fuzz_packages=(clang-14 libclang-rt-14-dev)
 

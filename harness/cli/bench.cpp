@@ -3,6 +3,7 @@
 #include "harness/cli/commands.h"
 #include "harness/cli/scene_bench.h"
 #include "harness/cli/session.h"
+#include "harness/report/summary.h"
 #include "harness/report/table.h"
 
 namespace stbvh::harness {
@@ -10,11 +11,12 @@ namespace stbvh::harness {
 void run_bench(const Options& options) {
   Progress progress;
   Report report;
-  PinnedThreads threads(options.threads);
-  for_each_scene(options, progress, report,
-                 [&](const Scene& scene) { bench_scene(scene, options, threads, progress, report); });
+  for_each_scene(options, progress,
+                 [&](const Scene& scene) { bench_scene(scene, options, progress, report); });
   progress.clear();
-  fmt::print("{}", speed_summary(report));
+  report.summaries = summarize_scenes(report);
+  fmt::print("{}", summary_table(report.summaries));
+  write_records(options, report);
 }
 
 }  // namespace stbvh::harness

@@ -8,6 +8,7 @@
 
 #include "harness/cli/progress.h"
 #include "harness/cli/scene_source.h"
+#include "harness/cli/script.h"
 #include "harness/cli/usage_error.h"
 #include "harness/files/output_file.h"
 #include "harness/picture/png_file.h"
@@ -37,6 +38,10 @@ void run(const Options& options) {
       return run_hard(options);
     case Command::kPareto:
       return run_pareto(options);
+    case Command::kScaling:
+      return run_scaling(options);
+    case Command::kCharts:
+      return run_charts(options);
     case Command::kPicture:
       return run_picture(options);
   }
@@ -98,6 +103,8 @@ int run_program(int argc, const char* const* argv) {
     return fail(2, e.what());
   } catch (const OutputFileError& e) {
     return fail(2, e.what());
+  } catch (const ScriptFailure& e) {
+    return e.exit_code;
   } catch (const std::bad_alloc&) {
     return fail(1, "Not enough memory.");
   } catch (const std::exception& e) {

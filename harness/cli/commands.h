@@ -13,6 +13,10 @@ void run_error(const Options& options);
 void run_hard(const Options& options);
 /// Ends with a table and, if asked for, a plot of speed against error.
 void run_pareto(const Options& options);
+/// Ends with a table of all structures and values.
+void run_scaling(const Options& options);
+/// Draws the records of bench and scaling; prints the files' names. Throws ScriptFailure.
+void run_charts(const Options& options);
 void run_picture(const Options& options);
 
 /// The whole program: runs the command of a command line, prints one line on stderr for what cannot be done.

@@ -100,8 +100,9 @@ void run_error(const Options& options) {
   Progress progress;
   Report report;
   PinnedThreads threads(options.threads);
-  for_each_scene(options, progress, report,
+  for_each_scene(options, progress,
                  [&](const Scene& scene) { run_scene(scene, options, threads, progress, report); });
+  write_records(options, report);
   require_right_answers(report.errors);
 }
 

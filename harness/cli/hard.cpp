@@ -8,7 +8,6 @@
 #include "harness/cli/session.h"
 #include "harness/cli/wrong_answers.h"
 #include "harness/files/output_file.h"
-#include "harness/report/json.h"
 #include "harness/report/machine.h"
 #include "harness/report/table.h"
 #include "tests/hard_cases/hard_case.h"
@@ -17,11 +16,10 @@ namespace stbvh::harness {
 
 void run_hard(const Options& options) {
   if (options.json) check_writable(*options.json);
-  const Machine machine = this_machine();
   Progress progress;
   Report report;
   PinnedThreads threads(options.threads);
-  fmt::print("{}{}", machine_line(machine, built_commit()), hard_heading());
+  fmt::print("{}{}", machine_line(this_machine(), built_commit()), hard_heading());
   for (const std::string& name : options.families) {
     const FamilyResults family =
         run_family(*find_hard_family(name), options.count, options, threads, progress);
@@ -32,7 +30,7 @@ void run_hard(const Options& options) {
     report.hards.insert(report.hards.end(), family.results.begin(), family.results.end());
   }
   fmt::print("{}", hard_legend());
-  if (options.json) write_file(*options.json, to_json(report, machine, built_commit()));
+  write_records(options, report);
   require_right_answers(std::span<const HardResult>(report.hards));
 }
 

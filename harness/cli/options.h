@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "harness/rays/ray_set.h"
@@ -18,25 +19,35 @@ inline constexpr std::size_t kDefaultBenchRays = 100'000;
 inline constexpr std::size_t kDefaultErrorRays = 20'000;
 inline constexpr std::size_t kDefaultHardRays = 20'000;
 inline constexpr std::size_t kDefaultParetoRays = 100'000;
+inline constexpr std::size_t kDefaultScalingRays = 100'000;
 
-enum class Command { kList, kBench, kError, kHard, kPareto, kPicture };
+enum class Command { kList, kBench, kError, kHard, kPareto, kPicture, kScaling, kCharts };
+
+/// What a scaling run varies.
+enum class Over { kSteps, kTriangles, kThreads };
+std::string_view over_name(Over over);
 
 /// All of them checked: names known, numbers in range.
 struct Options {
   Command command = Command::kList;
-  std::vector<std::string> scenes;
-  std::vector<std::string> structures;  ///< in the order of structure_names()
+  std::vector<std::string> scenes{"paper"};  ///< names of built-in scenes, and files
+  std::vector<std::string> structures;       ///< in the order of structure_names(); of charts: as named
   std::vector<RayKind> rays;
   std::vector<std::string> families;  ///< of hard cases, in the order of hard_families()
   std::optional<double> scale;        ///< of the paper's scenes; empty: each scene's default
   GltfOptions gltf;
   std::uint64_t seed = 1;
-  unsigned threads = 1;
+  unsigned threads = 1;                 ///< of the builds, and of the rays but where thread_counts has others
+  std::vector<unsigned> thread_counts;  ///< that speeds are measured with, ascending; threads is the largest
   std::size_t repeats = 7;
   std::size_t count = 0;
   double build_budget_s = 3;
   std::optional<std::filesystem::path> json;
   std::optional<std::filesystem::path> plot;  ///< made from the records, so only with json
+  Over over = Over::kSteps;
+  std::vector<std::size_t> values;        ///< of what a scaling run varies, ascending
+  std::vector<std::string> record_files;  ///< that charts draws
+  std::string chart_format = "svg";       ///< or "png"
   std::filesystem::path directory;
   std::size_t picture_width = 960;
   std::size_t picture_height = 540;

@@ -1,7 +1,5 @@
 /// Speed against error: one point for each structure.
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -9,13 +7,11 @@
 #include "harness/cli/commands.h"
 #include "harness/cli/family_run.h"
 #include "harness/cli/scene_bench.h"
+#include "harness/cli/script.h"
 #include "harness/cli/session.h"
 #include "harness/files/output_file.h"
-#include "harness/report/json.h"
 #include "harness/report/machine.h"
 #include "harness/report/table.h"
-
-extern char** environ;  // NOLINT: POSIX declares it nowhere
 
 namespace stbvh::harness {
 namespace {
@@ -59,50 +55,31 @@ void add_family(const FamilyResults& family, Measure measure, std::vector<Pareto
 Spread speed_ratio(const Report& report, const std::string& structure) {
   std::vector<double> ratios;
   for (const SpeedResult& r : report.speeds) {
-    if (r.structure != structure || !r.ratio_to_embree) continue;
-    ratios.push_back(r.ratio_to_embree->median);
+    const std::optional<Spread> ratio = r.ratio_to_embree();
+    if (r.structure == structure && ratio) ratios.push_back(ratio->median);
   }
   if (ratios.empty()) return {};
   const auto [least, largest] = std::minmax_element(ratios.begin(), ratios.end());
   return {geometric_mean(ratios), *least, *largest};
 }
 
-/// Runs plot_pareto.py; matplotlib is Debian's, so is the interpreter.
-void plot(const std::filesystem::path& records, const std::filesystem::path& picture) {
-  std::string words[] = {"/usr/bin/python3", STBVH_SOURCE_DIR "/harness/report/plot_pareto.py",
-                         records.string(), picture.string()};
-  char* arguments[] = {words[0].data(), words[1].data(), words[2].data(), words[3].data(), nullptr};
-  pid_t child = 0;
-  int status = 0;
-  if (posix_spawn(&child, arguments[0], nullptr, nullptr, arguments, environ) != 0 ||
-      waitpid(child, &status, 0) != child || status != 0) {
-    throw std::runtime_error(
-        fmt::format("The plot \"{}\" was not made (it needs Debian's python3-matplotlib); the records are in "
-                    "\"{}\".",
-                    picture.string(), records.string()));
-  }
-}
-
 }  // namespace
 
 void run_pareto(const Options& options) {
-  if (options.json) check_writable(*options.json);
   if (options.plot) check_writable(*options.plot);
   Progress progress;
   Report report;
-  PinnedThreads threads(options.threads);
   Options speed = options;
-  speed.json.reset();
   speed.count = kDefaultBenchRays;
   speed.rays = {RayKind::kBounce, RayKind::kUniform};
   speed.build_budget_s = 0;
-  for_each_scene(speed, progress, report,
-                 [&](const Scene& scene) { bench_scene(scene, speed, threads, progress, report); });
+  for_each_scene(speed, progress, [&](const Scene& scene) { bench_scene(scene, speed, progress, report); });
   for (const std::string& name : options.structures) {
     report.paretos.push_back({.structure = name, .ratio_to_embree = speed_ratio(report, name)});
   }
   progress.clear();
   fmt::print("\n{}", hard_heading());
+  PinnedThreads threads(options.threads);
   for (const ParetoFamily& asked : kFamilies) {
     const FamilyResults family =
         run_family(*find_hard_family(asked.name), options.count, options, threads, progress);
@@ -113,9 +90,8 @@ void run_pareto(const Options& options) {
     add_family(family, asked.measure, report.paretos);
   }
   fmt::print("{}\n{}", hard_legend(), pareto_table(report.paretos));
-  if (!options.json) return;
-  write_file(*options.json, to_json(report, this_machine(), built_commit()));
-  if (options.plot) plot(*options.json, *options.plot);
+  write_records(options, report);
+  if (options.plot) run_script("plot_pareto.py", {options.json->string(), options.plot->string()});
 }
 
 }  // namespace stbvh::harness

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
 #include <map>
 
 #include "harness/cli/session.h"
@@ -19,18 +20,22 @@ constexpr std::string_view kRatioReference = "embree";
 /// Bench of one scene.
 class SceneBench {
  public:
-  SceneBench(const Scene& scene, const Options& options, PinnedThreads& threads, Progress& progress)
-      : scene_(scene), options_(options), threads_(threads), progress_(progress) {}
+  SceneBench(const Scene& scene, const Options& options, Progress& progress)
+      : scene_(scene), options_(options), progress_(progress) {}
 
-  void run(Report& report) {
-    std::vector<std::string> names = options_.structures;
-    std::erase(names, kRatioReference);
-    names.insert(names.begin(), std::string(kRatioReference));
-    names = structures_that_fit(names, scene_, kRatioReference);
-    const std::vector<RaySet> rays = make_ray_sets(scene_, options_, progress_);
-    for (const auto& group : groups_in_memory(names)) trace_group(group, rays);
+  SceneFigures run(std::vector<std::string> names) {
+    if (options_.rays.empty()) {
+      names = structures_that_fit(names, scene_, "");
+      for (const std::string& name : names) build(name);
+    } else {
+      names = structures_that_fit(names, scene_, kRatioReference);
+      const std::vector<RaySet> rays = make_ray_sets(scene_, options_, progress_);
+      for (const auto& group : groups_in_memory(names)) trace_group(group, rays);
+    }
     build_again(names);
-    print(names, report);
+    SceneFigures figures{{}, std::move(speeds_)};
+    for (const std::string& name : names) figures.builds.push_back(build_result(name));
+    return figures;
   }
 
  private:
@@ -71,22 +76,24 @@ class SceneBench {
       structures.push_back(build(name));
       pointers.push_back(structures.back().get());
     }
-    for (const RaySet& set : rays) {
-      if (set.rays.empty()) continue;
-      const std::string_view kind = ray_kind_name(set.kind);
-      const TraceTimes times =
-          trace_interleaved(threads_, pointers, set, options_.repeats, [&](std::size_t repeat) {
-            progress_.stage(
-                fmt::format("{}: tracing {}, {} of {}", scene_.name, kind, repeat, options_.repeats));
-          });
-      for (std::size_t s = 0; s < names.size(); ++s) add_speed(names, s, set, times);
+    for (unsigned count : options_.thread_counts) {
+      PinnedThreads threads(count);
+      for (const RaySet& set : rays) {
+        if (set.rays.empty()) continue;
+        const TraceTimes times =
+            trace_interleaved(threads, pointers, set, options_.repeats, [&](std::size_t repeat) {
+              progress_.stage(fmt::format("{}: tracing {}, {} threads, {} of {}", scene_.name,
+                                          ray_kind_name(set.kind), count, repeat, options_.repeats));
+            });
+        for (std::size_t s = 0; s < names.size(); ++s) add_speed(names, s, set, count, times);
+      }
     }
   }
 
-  void add_speed(const std::vector<std::string>& names, std::size_t s, const RaySet& set,
+  void add_speed(const std::vector<std::string>& names, std::size_t s, const RaySet& set, unsigned threads,
                  const TraceTimes& times) {
     const auto is_known = [&](const SpeedResult& r) {
-      return r.structure == names[s] && r.rays == ray_kind_name(set.kind);
+      return r.structure == names[s] && r.rays == ray_kind_name(set.kind) && r.threads == threads;
     };
     if (std::any_of(speeds_.begin(), speeds_.end(), is_known)) return;  // the reference, in a later group
     const bool has_reference = names.front() == kRatioReference;
@@ -100,10 +107,10 @@ class SceneBench {
                        .structure = names[s],
                        .rays = std::string(ray_kind_name(set.kind)),
                        .ray_count = set.rays.size(),
-                       .threads = threads_.count(),
+                       .threads = threads,
                        .repeats = options_.repeats,
                        .mrays_per_s = spread_of(mrays),
-                       .ratio_to_embree = has_reference ? std::optional(spread_of(ratios)) : std::nullopt,
+                       .ratios_to_embree = ratios,
                        .hits = times.hits[s]});
   }
 
@@ -138,18 +145,8 @@ class SceneBench {
             .resident_bytes = first.resident_bytes};
   }
 
-  void print(const std::vector<std::string>& names, Report& report) const {
-    std::vector<BuildResult> builds;
-    for (const std::string& name : names) builds.push_back(build_result(name));
-    progress_.clear();
-    fmt::print("{}\n{}", build_table(builds), speed_table(speeds_));
-    report.builds.insert(report.builds.end(), builds.begin(), builds.end());
-    report.speeds.insert(report.speeds.end(), speeds_.begin(), speeds_.end());
-  }
-
   const Scene& scene_;
   const Options& options_;
-  PinnedThreads& threads_;
   Progress& progress_;
   std::map<std::string, std::vector<BuildRecord>> builds_;
   std::vector<SpeedResult> speeds_;
@@ -157,9 +154,29 @@ class SceneBench {
 
 }  // namespace
 
-void bench_scene(const Scene& scene, const Options& options, PinnedThreads& threads, Progress& progress,
-                 Report& report) {
-  SceneBench(scene, options, threads, progress).run(report);
+std::vector<std::string> with_reference(std::vector<std::string> names) {
+  std::erase(names, kRatioReference);
+  names.insert(names.begin(), std::string(kRatioReference));
+  return names;
+}
+
+SceneFigures measure_scene(const Scene& scene, const std::vector<std::string>& names, const Options& options,
+                           Progress& progress) {
+  return SceneBench(scene, options, progress).run(names);
+}
+
+void bench_scene(const Scene& scene, const Options& options, Progress& progress, Report& report) {
+  const SceneFigures figures = measure_scene(scene, with_reference(options.structures), options, progress);
+  progress.clear();
+  fmt::print("{}", build_table(figures.builds));
+  for (unsigned count : options.thread_counts) {
+    std::vector<SpeedResult> speeds;
+    std::copy_if(figures.speeds.begin(), figures.speeds.end(), std::back_inserter(speeds),
+                 [&](const SpeedResult& r) { return r.threads == count; });
+    fmt::print("\n{}", speed_table(speeds));
+  }
+  report.builds.insert(report.builds.end(), figures.builds.begin(), figures.builds.end());
+  report.speeds.insert(report.speeds.end(), figures.speeds.begin(), figures.speeds.end());
 }
 
 }  // namespace stbvh::harness

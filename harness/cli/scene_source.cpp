@@ -27,18 +27,6 @@ bool is_file_name(const std::string& name) {
   return extension == ".glb" || extension == ".gltf";
 }
 
-/// Refuses what no ray can be sent through.
-Scene checked(Scene scene, const std::string& name) {
-  scene.name = name;
-  if (scene.triangle_count() == 0) throw UsageError(fmt::format("The scene \"{}\" has no triangles.", name));
-  const Vec3 size = extent(scene);
-  if (!std::isfinite(length(size))) {
-    throw UsageError(fmt::format("The scene \"{}\" has positions that are not finite.", name));
-  }
-  if (!(length(size) > 0)) throw UsageError(fmt::format("The scene \"{}\" has no extent.", name));
-  return scene;
-}
-
 SceneSource file_source(const std::string& name, const GltfOptions& gltf) {
   if (!std::filesystem::exists(name)) throw UsageError(fmt::format("There is no file \"{}\".", name));
   const std::string stem = std::filesystem::path(name).stem().string();
@@ -57,6 +45,17 @@ SceneSource built_in_source(const std::string& name, const Options& options) {
 }
 
 }  // namespace
+
+Scene checked(Scene scene, const std::string& name) {
+  scene.name = name;
+  if (scene.triangle_count() == 0) throw UsageError(fmt::format("The scene \"{}\" has no triangles.", name));
+  const Vec3 size = extent(scene);
+  if (!std::isfinite(length(size))) {
+    throw UsageError(fmt::format("The scene \"{}\" has positions that are not finite.", name));
+  }
+  if (!(length(size) > 0)) throw UsageError(fmt::format("The scene \"{}\" has no extent.", name));
+  return scene;
+}
 
 std::vector<SceneSource> find_scenes(const Options& options) {
   std::vector<SceneSource> sources;

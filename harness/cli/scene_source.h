@@ -20,6 +20,9 @@ struct SceneSource {
 /// Throws UsageError for names that are neither a built-in scene nor a .glb or .gltf file that exists.
 std::vector<SceneSource> find_scenes(const Options& options);
 
+/// `scene`, named `name`. Throws UsageError for what no ray can be sent through.
+Scene checked(Scene scene, const std::string& name);
+
 SceneSummary summarize(const Scene& scene);
 
 /// Length of the diagonal of the scene's bounds.

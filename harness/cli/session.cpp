@@ -46,12 +46,11 @@ std::vector<std::string> structures_that_fit(const std::vector<std::string>& nam
   return fitting;
 }
 
-void for_each_scene(const Options& options, Progress& progress, Report& report,
+void for_each_scene(const Options& options, Progress& progress,
                     const std::function<void(const Scene&)>& work) {
   const std::vector<SceneSource> sources = find_scenes(options);
   if (options.json) check_writable(*options.json);
-  const Machine machine = this_machine();
-  fmt::print("{}", machine_line(machine, built_commit()));
+  fmt::print("{}", machine_line(this_machine(), built_commit()));
   for (const SceneSource& source : sources) {
     progress.stage(fmt::format("{}: making the scene", source.name));
     const Scene scene = source.load();
@@ -61,7 +60,10 @@ void for_each_scene(const Options& options, Progress& progress, Report& report,
     work(scene);
     std::fflush(stdout);
   }
-  if (options.json) write_file(*options.json, to_json(report, machine, built_commit()));
+}
+
+void write_records(const Options& options, const Report& report) {
+  if (options.json) write_file(*options.json, to_json(report, this_machine(), built_commit()));
 }
 
 }  // namespace stbvh::harness

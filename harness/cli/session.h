@@ -24,9 +24,12 @@ std::vector<RaySet> make_ray_sets(const Scene& scene, const Options& options, Pr
 std::vector<std::string> structures_that_fit(const std::vector<std::string>& names, const Scene& scene,
                                              std::string_view beside);
 
-/// Runs `work` on each scene of `options` in turn, each heading its own part of the output; then writes the
-/// report to the JSON file, if one was asked for.
-void for_each_scene(const Options& options, Progress& progress, Report& report,
+/// Runs `work` on each scene of `options` in turn, each heading its own part of the output. Throws
+/// OutputFileError before that if write_records could not write.
+void for_each_scene(const Options& options, Progress& progress,
                     const std::function<void(const Scene&)>& work);
+
+/// Writes `report` to the JSON file, if one was asked for. Throws OutputFileError.
+void write_records(const Options& options, const Report& report);
 
 }  // namespace stbvh::harness

@@ -29,10 +29,10 @@ Json to_record(const SpeedResult& r) {
   Json ratio;  // null
   Json least;
   Json largest;
-  if (r.ratio_to_embree) {
-    ratio = r.ratio_to_embree->median;
-    least = r.ratio_to_embree->min;
-    largest = r.ratio_to_embree->max;
+  if (const std::optional<Spread> spread = r.ratio_to_embree()) {
+    ratio = spread->median;
+    least = spread->min;
+    largest = spread->max;
   }
   return {{"kind", "speed"},
           {"scene", r.scene},
@@ -47,6 +47,7 @@ Json to_record(const SpeedResult& r) {
           {"ratio_to_embree", ratio},
           {"ratio_to_embree_min", least},
           {"ratio_to_embree_max", largest},
+          {"ratios_to_embree", r.ratios_to_embree},
           {"hits", r.hits}};
 }
 
@@ -112,6 +113,36 @@ Json to_record(const ParetoResult& r) {
           {"t_error_rel_p99", r.t_error_rel_p99}};
 }
 
+Json to_record(const SummaryResult& r) {
+  return {{"kind", "summary"},
+          {"structure", r.structure},
+          {"reference", r.reference},
+          {"measure", r.measure},
+          {"rays", r.rays.empty() ? Json() : Json(r.rays)},
+          {"threads", r.threads},
+          {"scenes", r.scenes},
+          {"mean_ratio", r.mean.median},
+          {"mean_ratio_min", r.mean.min},
+          {"mean_ratio_max", r.mean.max},
+          {"worst_scene", r.worst_scene},
+          {"worst_ratio", r.worst.median},
+          {"worst_ratio_min", r.worst.min},
+          {"worst_ratio_max", r.worst.max}};
+}
+
+Json to_record(const ScalingResult& r) {
+  Json record = to_record(r.build);
+  record["kind"] = "scaling";
+  record["over"] = r.over;
+  record["value"] = r.value;
+  for (const SpeedResult& speed : r.speeds) {
+    record[speed.rays + "_mrays_per_s"] = speed.mrays_per_s.median;
+    record[speed.rays + "_mrays_per_s_min"] = speed.mrays_per_s.min;
+    record[speed.rays + "_mrays_per_s_max"] = speed.mrays_per_s.max;
+  }
+  return record;
+}
+
 }  // namespace
 
 std::string to_json(const Report& report, const Machine& machine, const std::string& commit) {
@@ -121,6 +152,8 @@ std::string to_json(const Report& report, const Machine& machine, const std::str
   for (const ErrorResult& r : report.errors) records.push_back(to_record(r));
   for (const HardResult& r : report.hards) records.push_back(to_record(r));
   for (const ParetoResult& r : report.paretos) records.push_back(to_record(r));
+  for (const SummaryResult& r : report.summaries) records.push_back(to_record(r));
+  for (const ScalingResult& r : report.scalings) records.push_back(to_record(r));
   const Json root = {{"machine",
                       {{"cpu", machine.cpu},
                        {"cores", machine.cores},

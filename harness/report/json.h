@@ -8,7 +8,7 @@
 
 namespace stbvh::harness {
 
-/// Text of the whole report. Records come in the order build, speed, error, hard.
+/// Text of the whole report. Records come in the order build, speed, error, hard, pareto, summary, scaling.
 std::string to_json(const Report& report, const Machine& machine, const std::string& commit);
 
 }  // namespace stbvh::harness

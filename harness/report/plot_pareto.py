@@ -4,14 +4,10 @@
 Reads the records of kind "pareto" that `stbvh-ab pareto` writes. A rate of zero is drawn at its bound
 (95 %) with an arrow: less than that.
 """
-import json
 import sys
 
-import matplotlib
-import matplotlib.ticker
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402  (the backend comes first)
+from chart_tools import COLOURS, fail, family, finish, plt, read_records, save
+from matplotlib.ticker import NullFormatter
 
 PANELS = (
     ("leak_rate", "leaks, of rays aimed at vertices and edges\nof closed moving meshes"),
@@ -19,13 +15,13 @@ PANELS = (
     ("t_error_rel_p99", "error of t, relative, 99th percentile,\n$10^6$ from the origin"),
 )
 MARKERS = {"robust": "s", "4v": "^", "fast": "v"}
-COLOURS = {"embree": "#4878a8", "lbvh": "#999999", "stbvh": "#d1622b"}
 
 
 def draw_panel(axes, records, key):
+    families = list(dict.fromkeys(family(r["structure"]) for r in records))
     for record in records:
         name = record["structure"]
-        colour = COLOURS[name.split("-")[0]]
+        colour = COLOURS[families.index(family(name)) % len(COLOURS)]
         value = record[key]
         is_zero = value == 0
         if is_zero:
@@ -48,7 +44,7 @@ def draw_panel(axes, records, key):
     axes.margins(x=0.06, y=0.12)
     if max(values) > 10 * min(values):
         axes.set_yscale("log")
-        axes.yaxis.set_minor_formatter(matplotlib.ticker.NullFormatter())
+        axes.yaxis.set_minor_formatter(NullFormatter())
     else:
         axes.set_ylim(0, 1.25 * max(values))
     axes.set_xlabel("speed, times embree")
@@ -56,31 +52,22 @@ def draw_panel(axes, records, key):
 
 
 def main(records_path, picture_path):
-    with open(records_path, encoding="utf-8") as file:
-        report = json.load(file)
-    records = [r for r in report["records"] if r["kind"] == "pareto"]
+    records = [r for r in read_records([records_path]) if r["kind"] == "pareto"]
     if not records:
-        sys.exit(f'There are no records of kind "pareto" in "{records_path}".')
+        fail(f'There are no records of kind "pareto" in "{records_path}".')
     figure, all_axes = plt.subplots(1, len(PANELS), figsize=(13, 4.6))
     for axes, (key, title) in zip(all_axes, PANELS):
         draw_panel(axes, records, key)
         axes.set_title(title, fontsize=9)
-    machine = report["machine"]
-    figure.suptitle("Speed against error: right is faster, down is more exact", fontsize=11)
-    figure.text(
-        0.01,
-        0.01,
-        f'{machine["cpu"]}, Embree {machine["embree"]}, stbvh {report["commit"]}; arrows: none found, '
-        "below the bound of 95 % confidence; open circles: kernels without Embree",
-        fontsize=6,
-    )
     handles, names = all_axes[0].get_legend_handles_labels()
     figure.legend(
         [handle[0] for handle in handles], names, loc="lower center", ncol=len(names), fontsize=8, frameon=False,
-        bbox_to_anchor=(0.5, 0.03),
+        bbox_to_anchor=(0.5, 0.05),
     )
-    figure.tight_layout(rect=(0, 0.09, 1, 0.97))
-    figure.savefig(picture_path, dpi=150)
+    finish(figure, records, "Speed against error: right is faster, down is more exact",
+           "arrows: none found, below the bound of 95 % confidence; open circles: kernels without Embree",
+           legend_height=0.2)
+    save(figure, picture_path)
 
 
 if __name__ == "__main__":

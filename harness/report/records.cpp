@@ -18,6 +18,10 @@ double geometric_mean(const std::vector<double>& values) {
   return values.empty() ? 0 : std::exp(sum / static_cast<double>(values.size()));
 }
 
+std::optional<Spread> SpeedResult::ratio_to_embree() const {
+  return ratios_to_embree.empty() ? std::nullopt : std::optional(spread_of(ratios_to_embree));
+}
+
 double rate_bound_95(std::size_t count, std::size_t n) {
   if (n == 0) return 1;
   if (count == 0) return std::min(1.0, 3.0 / static_cast<double>(n));

@@ -49,8 +49,11 @@ struct SpeedResult {
   unsigned threads = 0;
   std::size_t repeats = 0;
   Spread mrays_per_s;
-  std::optional<Spread> ratio_to_embree;  ///< of the ratios within each repeat; empty if embree did not fit
+  std::vector<double> ratios_to_embree{};  ///< within each repeat; empty if embree did not fit
   std::size_t hits = 0;
+
+  /// Of ratios_to_embree.
+  std::optional<Spread> ratio_to_embree() const;
 };
 
 struct ErrorResult {
@@ -111,12 +114,35 @@ struct ParetoResult {
   double t_error_rel_p99 = 0;  ///< far from the origin
 };
 
+/// A structure at one point of a scaling run.
+struct ScalingResult {
+  std::string over;       ///< "steps", "triangles" or "threads"
+  std::size_t value = 0;  ///< how many of them, as asked; what the scene has of triangles is in `build`
+  BuildResult build;
+  std::vector<SpeedResult> speeds{};  ///< of each kind of rays; none over triangles
+};
+
+/// A structure against a reference over all scenes of a run that hold both.
+struct SummaryResult {
+  std::string structure;
+  std::string reference;
+  std::string measure;  ///< "speed", or the field of BuildResult: "structure_bytes", "total_bytes", "build_s"
+  std::string rays;     ///< speed: the kind, or several joined by "+"; else empty
+  unsigned threads = 0;  ///< that traced, or built
+  std::size_t scenes = 0;
+  Spread mean{};  ///< geometric mean of the ratios to the reference in each repeat; builds have one
+  std::string worst_scene{};
+  Spread worst{};  ///< its ratio in each repeat
+};
+
 struct Report {
   std::vector<BuildResult> builds;
   std::vector<SpeedResult> speeds;
   std::vector<ErrorResult> errors;
   std::vector<HardResult> hards;
   std::vector<ParetoResult> paretos;
+  std::vector<SummaryResult> summaries;
+  std::vector<ScalingResult> scalings;
 };
 
 }  // namespace stbvh::harness

@@ -6,21 +6,13 @@
 #include <cmath>
 #include <span>
 
+#include "harness/report/distinct.h"
+
 namespace stbvh::harness {
 namespace {
 
 constexpr double kMega = 1e6;
 constexpr std::size_t kSpeedColumns = 4;  // side by side, before another block begins
-
-/// The names in the order in which they first occur.
-template <class Result, class Name>
-std::vector<std::string> distinct(const std::vector<Result>& results, const Name& name) {
-  std::vector<std::string> names;
-  for (const Result& r : results) {
-    if (std::find(names.begin(), names.end(), name(r)) == names.end()) names.push_back(name(r));
-  }
-  return names;
-}
 
 std::string megabytes(double bytes) {
   return fmt::format("{:.{}f}", bytes / kMega, std::abs(bytes) < 10 * kMega ? 2 : 1);
@@ -36,9 +28,9 @@ const SpeedResult* find(const std::vector<SpeedResult>& results, const std::stri
 
 std::string speed_cell(const SpeedResult& r) {
   const std::string mrays = fmt::format("{:6.2f}", r.mrays_per_s.median);
-  if (!r.ratio_to_embree) return "- " + mrays;
-  return fmt::format("{:.2f} ({:.2f}-{:.2f}) {}", r.ratio_to_embree->median, r.ratio_to_embree->min,
-                     r.ratio_to_embree->max, mrays);
+  const std::optional<Spread> ratio = r.ratio_to_embree();
+  if (!ratio) return "- " + mrays;
+  return fmt::format("{:.2f} ({:.2f}-{:.2f}) {}", ratio->median, ratio->min, ratio->max, mrays);
 }
 
 /// Speeds of a few kinds of rays side by side.
@@ -46,7 +38,7 @@ std::string speed_columns(const std::vector<SpeedResult>& results, std::span<con
   std::string text = fmt::format("{:<21}", "structure");
   for (const std::string& kind : kinds) text += fmt::format("{:>25}", kind);
   text += "\n";
-  for (const std::string& structure : distinct(results, [](const SpeedResult& r) { return r.structure; })) {
+  for (const std::string& structure : distinct(results, &SpeedResult::structure)) {
     text += fmt::format("{:<21}", structure);
     for (const std::string& kind : kinds) {
       const SpeedResult* r = find(results, structure, kind);
@@ -120,7 +112,7 @@ std::string build_table(const std::vector<BuildResult>& results) {
 
 std::string speed_table(const std::vector<SpeedResult>& results) {
   if (results.empty()) return "";
-  const auto kinds = distinct(results, [](const SpeedResult& r) { return r.rays; });
+  const auto kinds = distinct(results, &SpeedResult::rays);
   std::string text = fmt::format(
       "speed, {} threads, {} repeats (ratio to embree and its least and largest in a repeat; Mrays/s)\n",
       results.front().threads, results.front().repeats);
@@ -194,43 +186,6 @@ std::string pareto_table(const std::vector<ParetoResult>& points) {
          "rays "
          "aimed at vertices and edges of closed moving meshes from inside (95 % confidence bound); differ: "
          "answered otherwise than exactly, within rounding or not; t err: relative, 1e6 from the origin.\n";
-}
-
-std::string speed_summary(const Report& report) {
-  const auto scenes = distinct(report.speeds, [](const SpeedResult& r) { return r.scene; });
-  if (scenes.size() < 2) return "";
-  const auto kinds = distinct(report.speeds, [](const SpeedResult& r) { return r.rays; });
-  std::string text = fmt::format("\n== all {} scenes: geometric means of the ratios to embree\n{:<21}",
-                                 scenes.size(), "structure");
-  for (const std::string& kind : kinds) text += fmt::format("{:>18}", kind);
-  text += fmt::format("{:>10}{:>12}\n", "memory", "build time");
-  const auto mean = [](const std::vector<double>& ratios) {
-    return ratios.empty() ? std::string("-") : fmt::format("{:.2f}", geometric_mean(ratios));
-  };
-  for (const std::string& structure :
-       distinct(report.builds, [](const BuildResult& r) { return r.structure; })) {
-    text += fmt::format("{:<21}", structure);
-    for (const std::string& kind : kinds) {
-      std::vector<double> ratios;
-      for (const SpeedResult& r : report.speeds) {
-        if (r.structure == structure && r.rays == kind && r.ratio_to_embree) {
-          ratios.push_back(r.ratio_to_embree->median);
-        }
-      }
-      text += fmt::format("{:>18}", mean(ratios));
-    }
-    std::vector<double> bytes;
-    std::vector<double> seconds;
-    for (const BuildResult& r : report.builds) {
-      for (const BuildResult& e : report.builds) {
-        if (r.structure != structure || e.structure != "embree" || e.scene != r.scene) continue;
-        bytes.push_back(static_cast<double>(r.structure_bytes) / static_cast<double>(e.structure_bytes));
-        seconds.push_back(r.build_s.median / e.build_s.median);
-      }
-    }
-    text += fmt::format("{:>10}{:>12}\n", mean(bytes), mean(seconds));
-  }
-  return text;
 }
 
 std::string bad_count(std::size_t count, std::size_t n) {

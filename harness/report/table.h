@@ -34,8 +34,12 @@ std::string hard_legend();
 /// Speed and errors of each structure.
 std::string pareto_table(const std::vector<ParetoResult>& points);
 
-/// Geometric means of the ratios over all scenes of a report; empty for fewer than two scenes.
-std::string speed_summary(const Report& report);
+/// One line for each structure and value of a scaling run.
+std::string scaling_table(const std::vector<ScalingResult>& results);
+
+/// All scenes of a run: a block for each thread count, kind of rays and two references, then one for each
+/// reference with bytes and build time. Empty if `results` is.
+std::string summary_table(const std::vector<SummaryResult>& results);
 
 /// A count of bad rays in `n`; none says what that proves: below 3/n with 95 % confidence.
 std::string bad_count(std::size_t count, std::size_t n);

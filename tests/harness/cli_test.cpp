@@ -1,9 +1,7 @@
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -14,26 +12,10 @@
 #include "harness/cli/closest_name.h"
 #include "harness/cli/pinned_threads.h"
 #include "harness/cli/wrong_answers.h"
+#include "tests/harness/run_stbvh_ab.h"
 
 namespace stbvh::harness {
 namespace {
-
-struct Outcome {
-  int exit_code;
-  std::string out;  ///< stdout and stderr
-};
-
-/// Runs the built program.
-Outcome stbvh_ab(const std::string& arguments) {
-  const std::string command = std::string(STBVH_AB) + " " + arguments + " 2>&1";
-  FILE* pipe = popen(command.c_str(), "r");
-  Outcome run{-1, ""};
-  char buffer[4096];
-  while (const std::size_t n = fread(buffer, 1, sizeof(buffer), pipe)) run.out.append(buffer, n);
-  const int status = pclose(pipe);
-  if (WIFEXITED(status)) run.exit_code = WEXITSTATUS(status);
-  return run;
-}
 
 class Refused : public ::testing::TestWithParam<const char*> {};
 
@@ -46,29 +28,37 @@ TEST_P(Refused, WithOneLineAndExitCodeTwo) {
 
 INSTANTIATE_TEST_SUITE_P(
     CommandLines, Refused,
-    ::testing::Values("", "no-such-command", "bench", "bench --scenes", "bench --scenes no-such",
-                      "bench --scenes ''", "bench --scenes no-such.glb",
-                      "bench --scenes wheels --structures stbhv", "bench --scenes wheels --rays sideways",
-                      "bench --scenes wheels --scale 0", "bench --scenes wheels --scale -1",
-                      "bench --scenes wheels --scale nan", "bench --scenes wheels --scale inf",
-                      "bench --scenes wheels --scale 1e30", "bench --scenes wheels --scale abc",
-                      "bench --scenes wheels --repeats 0", "bench --scenes wheels --repeats -3",
-                      "bench --scenes wheels --repeats 1.5", "bench --scenes wheels --threads 0",
-                      "bench --scenes wheels --threads 100000", "bench --scenes wheels --count 0",
-                      "bench --scenes wheels --count 1000000000000", "bench --scenes wheels --seed x",
-                      "bench --scenes wheels --build-budget nan", "bench --scenes wheels --build-budget -1",
-                      "bench --scenes wheels --json /no/such/directory/a.json",
-                      "bench --scenes wheels --json /tmp", "error --scenes wheels --json /proc/a.json",
-                      "error --scenes wheels --no-such-option", "error --scenes wheels --repeats 3",
-                      "error --scenes a.glb --steps 0", "error --scenes a.glb --steps 130",
-                      "error --scenes a.glb --shutter 1", "error --scenes a.glb --shutter 1,0",
-                      "error --scenes a.glb --shutter 0,nan", "hard --families no-such",
-                      "hard --structures stbhv", "hard --count 0", "hard --threads 0", "hard --scenes wheels",
-                      "hard --rays bounce", "hard --seed x", "pareto", "pareto --scenes wheels --plot a.png",
-                      "pareto --scenes wheels --json /tmp/a.json --plot /no/such/directory/a.png",
-                      "hard --families nan-rays --json /no/such/directory/a.json", "picture --scenes wheels",
-                      "picture --scenes wheels -o /proc/none", "picture --scenes wheels -o /tmp --size 0x5",
-                      "picture --scenes wheels -o /tmp --size 5", "picture --scenes wheels -o /tmp --spp 0"));
+    ::testing::Values(
+        "", "no-such-command", "bench --scenes", "bench --scenes no-such", "bench --scenes ''",
+        "bench --scenes no-such.glb", "bench --scenes wheels --structures stbhv",
+        "bench --scenes wheels --rays sideways", "bench --scenes wheels --scale 0",
+        "bench --scenes wheels --scale -1", "bench --scenes wheels --scale nan",
+        "bench --scenes wheels --scale inf", "bench --scenes wheels --scale 1e30",
+        "bench --scenes wheels --scale abc", "bench --scenes wheels --repeats 0",
+        "bench --scenes wheels --repeats -3", "bench --scenes wheels --repeats 1.5",
+        "bench --scenes wheels --threads 0", "bench --scenes wheels --threads 100000",
+        "bench --scenes wheels --threads 1,0", "bench --scenes wheels --threads 1,x",
+        "error --scenes wheels --threads 1,1", "bench --scenes wheels --count 0",
+        "bench --scenes wheels --count 1000000000000", "bench --scenes wheels --seed x",
+        "bench --scenes wheels --build-budget nan", "bench --scenes wheels --build-budget -1",
+        "bench --scenes wheels --json /no/such/directory/a.json", "bench --scenes wheels --json /tmp",
+        "error --scenes wheels --json /proc/a.json", "error --scenes wheels --no-such-option",
+        "error --scenes wheels --repeats 3", "error --scenes a.glb --steps 0",
+        "error --scenes a.glb --steps 130", "error --scenes a.glb --shutter 1",
+        "error --scenes a.glb --shutter 1,0", "error --scenes a.glb --shutter 0,nan",
+        "hard --families no-such", "hard --structures stbhv", "hard --count 0", "hard --threads 0",
+        "hard --scenes wheels", "hard --rays bounce", "hard --seed x", "pareto --scenes wheels --plot a.png",
+        "pareto --scenes wheels --json /tmp/a.json --plot /no/such/directory/a.png",
+        "hard --families nan-rays --json /no/such/directory/a.json", "scaling", "scaling --over colours",
+        "scaling --over steps --values 1,2", "scaling --over steps --values 130",
+        "scaling --over steps --values x", "scaling --over steps --scene crowd",
+        "scaling --over triangles --values 0", "scaling --over triangles --scale 1",
+        "scaling --over triangles --values 10000000 --scene barbarian-rotate",
+        "scaling --over threads --threads 1", "scaling --over threads --values 100000",
+        "scaling --over steps --json /no/such/directory/a.json", "charts", "charts a.json", "charts -o /tmp",
+        "charts a.json -o /tmp --format pdf", "charts /no/such.json -o /tmp", "picture --scenes wheels",
+        "picture --scenes wheels -o /proc/none", "picture --scenes wheels -o /tmp --size 0x5",
+        "picture --scenes wheels -o /tmp --size 5", "picture --scenes wheels -o /tmp --spp 0"));
 
 TEST(Program, SuggestsTheClosestName) {
   EXPECT_NE(stbvh_ab("bench --scenes wheals").out.find("did you mean \"wheels\""), std::string::npos);
@@ -116,8 +106,8 @@ TEST_F(Records, OfBenchHoldEveryStructureAndKind) {
   const auto all = records(
       "bench --scenes wheels,cloth --scale 0.02 --structures stbvh,lbvh --rays bounce,shadow --count 500 "
       "--repeats 2 --build-budget 0");
-  // embree joins as the reference
-  EXPECT_EQ(all.size(), 2u * (3u + 3u * 2u));
+  // embree joins as the reference; against embree and lbvh: two kinds of rays, two sums of bytes, build time
+  EXPECT_EQ(all.size(), 2u * (3u + 3u * 2u) + 3u * 2u * 5u);
   for (const auto& r : all) {
     if (r["kind"] != "speed") continue;
     EXPECT_GT(r["mrays_per_s"], 0.0);
@@ -127,6 +117,81 @@ TEST_F(Records, OfBenchHoldEveryStructureAndKind) {
       EXPECT_EQ(r["ratio_to_embree"], 1.0);
     }
   }
+}
+
+TEST_F(Records, OfBenchHoldEveryThreadCount) {
+  if (usable_core_count() < 2) GTEST_SKIP() << "one core";
+  const auto all = records(
+      "bench --scenes wheels --scale 0.02 --structures stbvh --rays bounce --count 500 --repeats 2 "
+      "--build-budget 0 --threads 1,2");
+  ASSERT_EQ(all.size(), 2u + 2u * 2u);
+  EXPECT_EQ(all[0]["threads"], 2);
+  for (std::size_t i = 2; i < all.size(); ++i) {
+    EXPECT_EQ(all[i]["threads"], i < 4 ? 1 : 2);
+    EXPECT_EQ(all[i]["ratios_to_embree"].size(), 2u);
+  }
+}
+
+TEST_F(Records, OfScalingHoldEveryStepCountAndStructure) {
+  const auto all = records(
+      "scaling --over steps --values 3,2,5 --scale 0.005 --structures stbvh-direct,lbvh --count 500 "
+      "--repeats 2 "
+      "--build-budget 0");
+  ASSERT_EQ(all.size(), 3u * 3u);  // embree joins
+  std::size_t segments = 0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto& r = all[i];
+    EXPECT_EQ(r["kind"], "scaling");
+    EXPECT_EQ(r["over"], "steps");
+    EXPECT_EQ(r["scene"], "cloth");
+    EXPECT_EQ(r["value"], (std::vector{2, 3, 5}[i / 3]));
+    EXPECT_EQ(r["structure"], (std::vector{"embree", "lbvh", "stbvh-direct"}[i % 3]));
+    EXPECT_EQ(r["triangles"], all[0]["triangles"]);
+    EXPECT_GT(r["structure_bytes"], 0);
+    EXPECT_GT(r["build_s"], 0.0);
+    for (const char* rays : {"bounce", "uniform"}) {
+      EXPECT_GT(r[std::string(rays) + "_mrays_per_s"], 0.0);
+      EXPECT_LE(r[std::string(rays) + "_mrays_per_s_min"], r[std::string(rays) + "_mrays_per_s_max"]);
+    }
+    if (i % 3 == 0) {
+      EXPECT_GT(r["primitive_segments"], segments);
+      segments = r["primitive_segments"];
+    }
+  }
+}
+
+TEST_F(Records, OfScalingOverTrianglesAreBuilds) {
+  const auto all = records(
+      "scaling --over triangles --values 2000,8000 --scene barbarian-rotate --structures embree,stbvh-direct "
+      "--build-budget 0");
+  ASSERT_EQ(all.size(), 4u);
+  for (const auto& r : all) {
+    const double asked = r["value"];
+    EXPECT_NEAR(r["triangles"], asked, 0.1 * asked);
+    EXPECT_GE(r["peak_bytes"], r["structure_bytes"]);
+    EXPECT_FALSE(r.contains("bounce_mrays_per_s"));
+  }
+  EXPECT_EQ(all[3]["value"], 8000);
+}
+
+TEST_F(Records, OfScalingOverThreadsHoldEachCount) {
+  const auto all =
+      records("scaling --over threads --scale 0.005 --structures embree --count 500 --repeats 2");
+  ASSERT_EQ(all.size(), usable_core_count());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(all[i]["threads"], i + 1);
+    EXPECT_EQ(all[i]["value"], i + 1);
+  }
+}
+
+TEST(Program, ScalingLeavesOutSlowBuilds) {
+  const Outcome run = stbvh_ab(
+      "scaling --over triangles --values 1000,2000,4000 --structures embree,stbvh-direct --build-budget "
+      "1e-9");
+  EXPECT_EQ(run.exit_code, 0) << run.out;
+  for (const char* name : {"embree", "stbvh-direct"})
+    EXPECT_NE(run.out.find(std::string(name) + " left out of larger scenes"), std::string::npos) << run.out;
+  EXPECT_EQ(run.out.find("with 2000 triangles"), std::string::npos) << run.out;
 }
 
 TEST_F(Records, OfParetoAreAPointForEachStructure) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -181,6 +182,43 @@ TEST(ProceduralScenes, ScalesThatCannotBeAreRefused) {
     for (const double scale : {0.0, -1.0, 1e9, std::numeric_limits<double>::quiet_NaN()})
       EXPECT_THROW(make(name, scale), std::invalid_argument) << name << " " << scale;
   }
+}
+
+/// Largest distance between a vertex of the first or last step of `a` and the same of `b`.
+double largest_distance(const Scene& a, const Scene& b) {
+  double largest = 0;
+  for (std::size_t m = 0; m < a.meshes.size(); ++m) {
+    for (const bool is_last : {false, true}) {
+      const VertexBuffer& p = is_last ? a.meshes[m].steps.back() : a.meshes[m].steps.front();
+      const VertexBuffer& q = is_last ? b.meshes[m].steps.back() : b.meshes[m].steps.front();
+      for (std::size_t i = 0; i < p.size(); ++i) {
+        largest = std::max({largest, std::abs(double{p[i].x} - q[i].x), std::abs(double{p[i].y} - q[i].y),
+                            std::abs(double{p[i].z} - q[i].z)});
+      }
+    }
+  }
+  return largest;
+}
+
+TEST(ProceduralScenes, TheSameMotionWithAnyNumberOfSteps) {
+  std::size_t tried = 0;
+  for (const ProceduralScene& scene : procedural_scenes()) {
+    if (scene.make_with_steps == nullptr) continue;
+    const Scene usual = scene.make(kSmallScale, 1);
+    const std::size_t usual_steps = moving_triangles(usual).begin()->first;
+    EXPECT_EQ(hash_of(scene.make_with_steps(kSmallScale, 1, usual_steps)), hash_of(usual)) << scene.name;
+    for (const std::size_t steps : {2u, 33u, 129u}) {
+      const Scene made = scene.make_with_steps(kSmallScale, 1, steps);
+      expect_sound(made);
+      const auto by_steps = moving_triangles(made);
+      ASSERT_EQ(by_steps.size(), 1u) << scene.name;
+      EXPECT_EQ(by_steps.begin()->first, steps) << scene.name;
+      EXPECT_EQ(made.triangle_count(), usual.triangle_count()) << scene.name;
+      EXPECT_LT(largest_distance(made, usual), 1e-5) << scene.name << ", " << steps << " steps (metres)";
+    }
+    ++tried;
+  }
+  EXPECT_EQ(tried, 2u);
 }
 
 TEST(ProceduralScenes, BarbarianRotateTurnsHalfATurn) {

@@ -24,7 +24,7 @@ Report small_report() {
                            .threads = 1,
                            .repeats = 7,
                            .mrays_per_s = {2, 1, 3},
-                           .ratio_to_embree = Spread{1, 1, 1},
+                           .ratios_to_embree = {1, 1, 1},
                            .hits = 4});
   report.errors.push_back({.scene = "s", .structure = "embree", .rays = "bounce", .traced = 30});
   report.hards.push_back({.family = "f", .structure = "embree", .traced = 30, .leaks = 2});
@@ -61,7 +61,7 @@ TEST(Json, HasTheFieldsThatOthersRead) {
 
 TEST(Json, RatioWithoutReferenceIsNull) {
   Report report = small_report();
-  report.speeds[0].ratio_to_embree.reset();
+  report.speeds[0].ratios_to_embree.clear();
   const auto json = nlohmann::json::parse(to_json(report, Machine{}, ""));
   EXPECT_TRUE(json["records"][1]["ratio_to_embree"].is_null());
 }
@@ -142,7 +142,39 @@ TEST(Table, ShowsRatiosAndSpread) {
   EXPECT_NE(speed_table(report.speeds).find("1.00 (1.00-1.00)"), std::string::npos);
   EXPECT_NE(build_table(report.builds).find("1.00-3.00 (0)"), std::string::npos);
   EXPECT_NE(error_table(report.errors).find("0 (<1.0e-01)"), std::string::npos);
-  EXPECT_EQ(speed_summary(report), "");
+}
+
+TEST(Table, ScalingIsForEachTriangle) {
+  const BuildResult build{.scene = "s",
+                          .structure = "embree",
+                          .triangles = 1000,
+                          .build_s = {0.002, 0.001, 0.003},
+                          .peak_bytes = 9000,
+                          .structure_bytes = 4000};
+  const SpeedResult speed{.scene = "s", .structure = "embree", .rays = "bounce", .mrays_per_s = {3, 2, 4}};
+  const std::vector<ScalingResult> results{{.over = "steps", .value = 17, .build = build, .speeds = {speed}}};
+  const std::string table = scaling_table(results);
+  std::istringstream last_row(table.substr(table.find("\nembree") + 1));
+  std::string structure;
+  double value, triangles, seconds, ns, megabytes, bytes, peak, mrays;
+  last_row >> structure >> value >> triangles >> seconds >> ns >> megabytes >> bytes >> peak >> mrays;
+  EXPECT_EQ(value, 17);
+  EXPECT_EQ(triangles, 1000);
+  EXPECT_EQ(ns, 2000);
+  EXPECT_EQ(bytes, 4);
+  EXPECT_EQ(peak, 9);
+  EXPECT_EQ(mrays, 3);
+  EXPECT_EQ(scaling_table({}), "");
+
+  Report report;
+  report.scalings = results;
+  const auto record = nlohmann::json::parse(to_json(report, Machine{}, ""))["records"][0];
+  EXPECT_EQ(record["kind"], "scaling");
+  EXPECT_EQ(record["over"], "steps");
+  EXPECT_EQ(record["value"], 17);
+  EXPECT_EQ(record["build_s_max"], 0.003);
+  EXPECT_EQ(record["bounce_mrays_per_s"], 3);
+  EXPECT_EQ(record["bounce_mrays_per_s_min"], 2);
 }
 
 TEST(RateBound, OfNothingFoundIsThreeByN) {

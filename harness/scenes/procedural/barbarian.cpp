@@ -16,6 +16,8 @@ constexpr Vec3f kHair{0.42f, 0.13f, 0.03f};
 constexpr Vec3f kSteel{0.55f, 0.6f, 0.68f};
 constexpr Vec3f kGround{0.3f, 0.33f, 0.24f};
 
+constexpr std::size_t kTurningSteps = 9;
+
 /// Shares of the triangles; the kilt takes what is left.
 constexpr double kBodyShare = 0.58;
 constexpr double kHairShare = 0.2;
@@ -211,10 +213,14 @@ Scene make_barbarian(double scale, std::uint64_t seed) {
 }
 
 Scene make_barbarian_rotate(double scale, std::uint64_t seed) {
+  return make_barbarian_rotate_with_steps(scale, seed, kTurningSteps);
+}
+
+Scene make_barbarian_rotate_with_steps(double scale, std::uint64_t seed, std::size_t steps) {
   Scene scene;
   scene.name = "barbarian-rotate";
   const Human human = make_human({1.0, 0.0, true});
-  add_barbarian(scene, planned_triangles(scene.name, 9, scale), 9, seed, human,
+  add_barbarian(scene, planned_triangles(scene.name, kTurningSteps, scale), steps, seed, human,
                 [&](double time) { return turning_pose(human.skeleton, time); });
   scene.camera = {{0.0f, 1.5f, 4.4f}, {0.0f, 1.22f, 0.0f}, {0, 1, 0}, 33.0f};
   return scene;

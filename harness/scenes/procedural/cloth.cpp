@@ -8,14 +8,16 @@
 namespace stbvh::harness {
 namespace {
 
+constexpr std::size_t kSteps = 9;
 constexpr std::size_t kParticles = 72;  ///< along each edge
 constexpr double kHalfSide = 1.25;      ///< metres
 constexpr Vec3 kBall{0, 1.25, 0};
 constexpr double kBallRadius = 0.5;
-constexpr double kThickness = 0.012;  ///< distance that the cloth keeps
-constexpr double kSettle = 1.5;       ///< seconds before the shutter opens
-constexpr double kShutter = 0.16;     ///< seconds
-constexpr double kSubstep = 1.0 / 900;
+constexpr double kThickness = 0.012;    ///< distance that the cloth keeps
+constexpr double kSettle = 1.5;         ///< seconds before the shutter opens
+constexpr double kShutter = 0.16;       ///< seconds
+constexpr std::size_t kSubsteps = 144;  ///< of the shutter, however many steps there are
+constexpr double kSettleSubstep = 1.0 / 900;
 
 ClothWorld make_world(std::uint64_t seed) {
   Pcg32 random(seed, 31);
@@ -53,7 +55,10 @@ void add_surroundings(Scene& scene) {
 }  // namespace
 
 Scene make_cloth(double scale, std::uint64_t seed) {
-  constexpr std::size_t kSteps = 9;
+  return make_cloth_with_steps(scale, seed, kSteps);
+}
+
+Scene make_cloth_with_steps(double scale, std::uint64_t seed, std::size_t steps) {
   Scene scene;
   scene.name = "cloth";
   const std::size_t triangles = planned_triangles(scene.name, kSteps, scale);
@@ -67,21 +72,29 @@ Scene make_cloth(double scale, std::uint64_t seed) {
   Cloth cloth(
       kParticles, kParticles, false, [&](double u, double v) { return start.apply(flat(u, v)); }, flat);
   const ClothWorld world = make_world(seed);
-  cloth.run(world, 0, kSettle, kSubstep);
+  cloth.run(world, 0, kSettle, kSettleSubstep);
 
   Mesh& mesh = scene.meshes.emplace_back();
   mesh.name = "cloth";
   mesh.color = {0.55f, 0.06f, 0.07f};
   const Shape grid = make_grid(columns, rows, [](double u, double v) { return Vec3{u, v, 0}; });
   mesh.indices = grid.indices;
-  double now = kSettle;
-  for (std::size_t k = 0; k < kSteps; ++k) {
-    const double then = kSettle + kShutter * step_time(k, kSteps);
-    cloth.run(world, now, then, kSubstep);
-    now = then;
+  const auto substep_begin = [](std::size_t s) {
+    return kSettle + kShutter * static_cast<double>(s) / static_cast<double>(kSubsteps);
+  };
+  Cloth before = cloth;
+  std::size_t done = 0;
+  for (std::size_t k = 0; k < steps; ++k) {
+    const double substeps = static_cast<double>(kSubsteps) * step_time(k, steps);
+    for (; static_cast<double>(done) < substeps - 1e-9; ++done) {
+      before = cloth;
+      cloth.run(world, substep_begin(done), substep_begin(done + 1), kShutter / kSubsteps);
+    }
+    const double f = std::min(1 - (static_cast<double>(done) - substeps), 1.0);
     VertexBuffer& buffer = mesh.steps.emplace_back(grid.positions.size());
     tbb::parallel_for(std::size_t{0}, buffer.size(), [&](std::size_t i) {
-      buffer[i] = to_float(cloth.surface(grid.positions[i].x, grid.positions[i].y));
+      const Vec3 p = grid.positions[i];
+      buffer[i] = to_float(before.surface(p.x, p.y) * (1 - f) + cloth.surface(p.x, p.y) * f);
     });
   }
   add_surroundings(scene);

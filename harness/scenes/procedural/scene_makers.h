@@ -2,6 +2,7 @@
 /// counts stay. The same scale and seed give the same scene, bit by bit, on any number of threads.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "harness/scenes/scene.h"
@@ -14,7 +15,10 @@ Scene make_train(double scale, std::uint64_t seed);
 Scene make_crowd(double scale, std::uint64_t seed);
 Scene make_barbarian(double scale, std::uint64_t seed);
 Scene make_barbarian_rotate(double scale, std::uint64_t seed);
+Scene make_barbarian_rotate_with_steps(double scale, std::uint64_t seed, std::size_t steps);
 Scene make_cloth(double scale, std::uint64_t seed);
+/// One simulation whatever the number of steps: a step between two of its substeps lies on the line between.
+Scene make_cloth_with_steps(double scale, std::uint64_t seed, std::size_t steps);
 Scene make_wheels(double scale, std::uint64_t seed);
 Scene make_dancer(double scale, std::uint64_t seed);
 Scene make_static_city(double scale, std::uint64_t seed);

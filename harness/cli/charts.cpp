@@ -1,0 +1,17 @@
+#include "harness/cli/commands.h"
+#include "harness/cli/script.h"
+
+namespace stbvh::harness {
+
+void run_charts(const Options& options) {
+  std::vector<std::string> arguments{"--output=" + options.directory.string(),
+                                     "--format=" + options.chart_format};
+  std::string names;
+  for (const std::string& name : options.structures) names += (names.empty() ? "" : ",") + name;
+  if (!names.empty()) arguments.push_back("--structures=" + names);
+  arguments.emplace_back("--");
+  arguments.insert(arguments.end(), options.record_files.begin(), options.record_files.end());
+  run_script("charts.py", arguments);
+}
+
+}  // namespace stbvh::harness

@@ -1,0 +1,297 @@
+#include "harness/cli/check_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <span>
+
+#include "harness/cli/closest_name.h"
+#include "harness/cli/pinned_threads.h"
+#include "harness/cli/usage_error.h"
+#include "harness/picture/render_picture.h"
+#include "harness/rays/ray_generator.h"
+#include "harness/scenes/procedural/procedural.h"
+#include "harness/structures/structure_under_test.h"
+#include "tests/hard_cases/hard_case.h"
+
+namespace stbvh::harness {
+namespace {
+
+constexpr double kLargestScale = 4;
+constexpr std::size_t kMostRepeats = 10'000;
+constexpr std::size_t kMostRays = 100'000'000;
+constexpr std::size_t kMostTriangles = 100'000'000;
+constexpr std::array<std::string_view, 3> kOverNames{"steps", "triangles", "threads"};
+
+std::optional<double> parse_number(std::string_view text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+std::pair<double, double> parse_pair(std::string_view text, char separator, std::string_view option) {
+  const std::size_t at = std::min(text.find(separator), text.size());
+  const auto first = parse_number(text.substr(0, at));
+  const auto second = parse_number(text.substr(std::min(at + 1, text.size())));
+  if (!first || !second) {
+    throw UsageError(
+        fmt::format("{} takes two numbers with \"{}\" between, not \"{}\".", option, separator, text));
+  }
+  return {*first, *second};
+}
+
+/// The names, each once, with "paper" and "all" replaced by the scenes they stand for.
+std::vector<std::string> named_scenes(const std::vector<std::string>& asked) {
+  std::vector<std::string> names;
+  const auto add = [&](std::string_view name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
+  };
+  for (const std::string& name : asked) {
+    if (name == "paper") {
+      for (const ProceduralScene& scene : paper_scenes()) add(scene.name);
+    } else if (name == "all") {
+      for (const ProceduralScene& scene : procedural_scenes()) add(scene.name);
+    } else {
+      add(name);
+    }
+  }
+  return names;
+}
+
+void check_scale(Arguments& a, const CLI::App& command) {
+  if (command.count("--scale") == 0) return;
+  if (!(a.scale > 0) || !(a.scale <= kLargestScale)) {
+    throw UsageError(fmt::format("--scale must be above 0 and at most {}, not {}.", kLargestScale, a.scale));
+  }
+  a.options.scale = a.scale;
+}
+
+void check_scenes(Arguments& a, const CLI::App& command) {
+  Options& o = a.options;
+  o.scenes = named_scenes(o.scenes);
+  check_scale(a, command);
+  if (command.count("--shutter") > 0) {
+    const auto [begin, end] = parse_pair(a.shutter, ',', "--shutter");
+    if (!(begin >= 0) || !(begin < end) || !std::isfinite(end)) {
+      throw UsageError(fmt::format("--shutter must be A,B with 0 <= A < B, not \"{}\".", a.shutter));
+    }
+    o.gltf.shutter_seconds = TimeRange{static_cast<float>(begin), static_cast<float>(end)};
+  }
+  if (o.gltf.steps < 1 || o.gltf.steps > kMaxSteps) {
+    throw UsageError(fmt::format("--steps must be 1 to {}, not {}.", kMaxSteps, o.gltf.steps));
+  }
+}
+
+void check_structures(Options& o) {
+  const std::vector<std::string_view> known = structure_names();
+  std::vector<std::string> chosen;
+  const auto is_asked = [&](std::string_view name) {
+    return std::find(o.structures.begin(), o.structures.end(), name) != o.structures.end();
+  };
+  for (const std::string& name : o.structures) {
+    if (name != "all" && std::find(known.begin(), known.end(), name) == known.end()) {
+      throw UsageError(unknown_name("structure", name, known));
+    }
+  }
+  for (std::string_view name : known) {
+    if (o.structures.empty() || is_asked("all") || is_asked(name)) chosen.emplace_back(name);
+  }
+  o.structures = std::move(chosen);
+}
+
+void check_families(Options& o) {
+  std::vector<std::string_view> known;
+  for (const HardFamily& family : hard_families()) known.push_back(family.name);
+  for (const std::string& name : o.families) {
+    if (name != "all" && find_hard_family(name) == nullptr) {
+      throw UsageError(unknown_name("family", name, known));
+    }
+  }
+  const auto is_asked = [&](std::string_view name) {
+    return std::find(o.families.begin(), o.families.end(), name) != o.families.end();
+  };
+  std::vector<std::string> chosen;
+  for (std::string_view name : known) {
+    if (o.families.empty() || is_asked("all") || is_asked(name)) chosen.emplace_back(name);
+  }
+  o.families = std::move(chosen);
+}
+
+void check_rays(Arguments& a) {
+  std::vector<std::string_view> known;
+  for (RayKind kind : ray_kinds()) known.push_back(ray_kind_name(kind));
+  for (const std::string& name : a.rays) {
+    if (!find_ray_kind(name)) throw UsageError(unknown_name("kind of rays", name, known));
+  }
+  for (RayKind kind : ray_kinds()) {
+    if (std::find(a.rays.begin(), a.rays.end(), ray_kind_name(kind)) != a.rays.end()) {
+      a.options.rays.push_back(kind);
+    }
+  }
+}
+
+void check_range(const char* option, std::size_t value, std::size_t most) {
+  if (value < 1 || value > most)
+    throw UsageError(fmt::format("{} must be 1 to {}, not {}.", option, most, value));
+}
+
+void check_threads(Options& o) {
+  std::vector<unsigned>& counts = o.thread_counts;
+  if (counts.empty()) counts = {o.threads};
+  for (unsigned count : counts) check_range("--threads", count, usable_core_count());
+  std::sort(counts.begin(), counts.end());
+  counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
+  o.threads = counts.back();
+}
+
+void check_trace(Arguments& a) {
+  check_structures(a.options);
+  check_rays(a);
+  check_threads(a.options);
+  check_range("--count", a.options.count, kMostRays);
+  check_range("--repeats", a.options.repeats, kMostRepeats);
+  if (!(a.options.build_budget_s >= 0) || !std::isfinite(a.options.build_budget_s)) {
+    throw UsageError(
+        fmt::format("--build-budget must be at least 0 seconds, not {}.", a.options.build_budget_s));
+  }
+  if (!a.json.empty()) a.options.json = a.json;
+}
+
+void check_hard(Arguments& a, const CLI::App& command) {
+  if (a.options.structures.empty()) {
+    a.options.structures.assign(kHardStructures.begin(), kHardStructures.end());
+  }
+  if (command.count("--count") == 0) a.options.count = kDefaultHardRays;
+  check_families(a.options);
+  check_trace(a);
+}
+
+void check_pareto(Arguments& a, const CLI::App& command) {
+  if (a.options.structures.empty()) {
+    a.options.structures.assign(kParetoStructures.begin(), kParetoStructures.end());
+  }
+  if (command.count("--count") == 0) a.options.count = kDefaultParetoRays;
+  if (command.count("--plot") > 0) {
+    if (a.json.empty()) throw UsageError("--plot needs --json: the plot is made from the records.");
+    a.options.plot = a.plot;
+  }
+  check_trace(a);
+}
+
+/// What is measured where --values does not say.
+std::vector<std::size_t> default_values(Over over) {
+  switch (over) {
+    case Over::kSteps:
+      return {2, 3, 5, 9, 17, 33, 65, 129};
+    case Over::kTriangles:
+      return {100'000, 200'000, 500'000, 1'000'000};
+    case Over::kThreads:
+      break;
+  }
+  std::vector<std::size_t> counts;
+  for (std::size_t count = 1; count <= usable_core_count(); ++count) counts.push_back(count);
+  return counts;
+}
+
+void check_values(Options& o) {
+  if (o.values.empty()) o.values = default_values(o.over);
+  std::sort(o.values.begin(), o.values.end());
+  o.values.erase(std::unique(o.values.begin(), o.values.end()), o.values.end());
+  if (o.over == Over::kSteps && o.values.front() < 2) throw UsageError("--values: at least 2 steps.");
+  const std::size_t most = o.over == Over::kSteps     ? kMaxSteps
+                           : o.over == Over::kThreads ? usable_core_count()
+                                                      : kMostTriangles;
+  check_range("--values", o.values.front(), most);
+  check_range("--values", o.values.back(), most);
+}
+
+void check_scaling(Arguments& a, const CLI::App& command) {
+  Options& o = a.options;
+  const auto over = std::find(kOverNames.begin(), kOverNames.end(), a.over);
+  if (over == kOverNames.end()) throw UsageError(unknown_name("thing to vary", a.over, kOverNames));
+  o.over = static_cast<Over>(over - kOverNames.begin());
+  std::vector<std::string_view> known;
+  for (const ProceduralScene& scene : procedural_scenes()) {
+    if (scene.make_with_steps != nullptr) known.push_back(scene.name);
+  }
+  if (std::find(known.begin(), known.end(), a.scene) == known.end()) {
+    throw UsageError(unknown_name("scene of any number of steps", a.scene, known));
+  }
+  o.scenes = {a.scene};
+  check_values(o);
+  if (o.over == Over::kTriangles && command.count("--scale") > 0)
+    throw UsageError("--scale: with --over triangles, --values says how many.");
+  if (o.over == Over::kThreads && command.count("--threads") > 0)
+    throw UsageError("--threads: with --over threads, --values says how many.");
+  if (command.count("--count") == 0) o.count = kDefaultScalingRays;
+  if (command.count("--build-budget") == 0) o.build_budget_s = kScalingBuildBudget;
+  a.rays = {"bounce", "uniform"};
+  if (o.over == Over::kTriangles) a.rays.clear();
+  check_scale(a, command);
+  check_trace(a);
+}
+
+void check_picture(Arguments& a, const CLI::App& command) {
+  Options& o = a.options;
+  o.directory = a.directory;
+  if (command.count("--size") > 0) {
+    const auto [width, height] = parse_pair(a.size, 'x', "--size");
+    const auto is_side = [](double s) {
+      return s >= 1 && s <= double{kMaxPictureSide} && s == std::floor(s);
+    };
+    if (!is_side(width) || !is_side(height)) {
+      throw UsageError(
+          fmt::format("--size must be WxH of 1 to {} pixels, not \"{}\".", kMaxPictureSide, a.size));
+    }
+    o.picture_width = static_cast<std::size_t>(width);
+    o.picture_height = static_cast<std::size_t>(height);
+  }
+  check_range("--spp", o.samples_per_pixel, 65536);
+}
+
+}  // namespace
+
+std::string_view over_name(Over over) {
+  return kOverNames[static_cast<std::size_t>(over)];
+}
+
+Options checked_options(Arguments a, const CLI::App& command) {
+  const std::string name = command.get_name();
+  if (name == "list") return a.options;
+  if (name == "hard") {
+    a.options.command = Command::kHard;
+    check_hard(a, command);
+    return a.options;
+  }
+  if (name == "charts") {
+    a.options.command = Command::kCharts;
+    a.options.directory = a.directory;
+    return a.options;
+  }
+  if (name == "scaling") {
+    a.options.command = Command::kScaling;
+    check_scaling(a, command);
+    return a.options;
+  }
+  check_scenes(a, command);
+  if (name == "pareto") {
+    a.options.command = Command::kPareto;
+    check_pareto(a, command);
+    return a.options;
+  }
+  if (name == "picture") {
+    a.options.command = Command::kPicture;
+    check_picture(a, command);
+    return a.options;
+  }
+  a.options.command = name == "bench" ? Command::kBench : Command::kError;
+  if (command.count("--count") == 0)
+    a.options.count = name == "bench" ? kDefaultBenchRays : kDefaultErrorRays;
+  check_trace(a);
+  return a.options;
+}
+
+}  // namespace stbvh::harness

@@ -1,0 +1,42 @@
+/// From what the command line holds to options that can be done.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "harness/cli/options.h"
+
+namespace stbvh::harness {
+
+/// What `hard` compares where it is not told: ours in every layout and instruction set, Embree's in every
+/// precision.
+inline constexpr std::array<std::string_view, 7> kHardStructures{
+    "stbvh-direct", "stbvh-direct-indexed", "stbvh-direct-scalar", "stbvh", "embree", "embree-robust",
+    "embree-4v"};
+/// What `pareto` compares: each structure in each precision.
+inline constexpr std::array<std::string_view, 9> kParetoStructures{
+    "embree",     "embree-robust", "embree-4v",        "lbvh", "lbvh-4v", "stbvh",
+    "stbvh-fast", "stbvh-direct",  "stbvh-direct-fast"};
+inline constexpr double kScalingBuildBudget = 20;  // seconds
+
+/// What the command line holds, before it is checked.
+struct Arguments {
+  Options options;
+  std::vector<std::string> rays{"primary", "bounce", "uniform", "shadow"};
+  double scale = 0;
+  std::string shutter;
+  std::string size;
+  std::string json;
+  std::string plot;
+  std::string directory;
+  std::string over;
+  std::string scene = "cloth";
+};
+
+/// The options of `command`, the subcommand that `arguments` were read for. Throws UsageError.
+Options checked_options(Arguments arguments, const CLI::App& command);
+
+}  // namespace stbvh::harness

@@ -1,0 +1,122 @@
+"""What the scripts that draw records share: reading the files, names to colours, the footer, saving.
+
+Needs Debian's python3-matplotlib. What goes wrong ends the script with exit code 2 and one line on stderr.
+"""
+import json
+import os
+import sys
+
+
+def fail(text):
+    """Ends the script: one line on stderr, exit code 2."""
+    print(f"stbvh-ab: {text}", file=sys.stderr)
+    sys.exit(2)
+
+
+try:
+    import matplotlib
+    import matplotlib.colors
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt  # noqa: E402  (the backend comes first)
+except ImportError as error:
+    fail(f"Charts need Debian's python3-matplotlib ({error}).")
+
+# The same records give the same bytes: no random ids, no date.
+matplotlib.rcParams["svg.hashsalt"] = "stbvh"
+plt.rcParams.update({"font.size": 8, "axes.titlesize": 9, "axes.grid": True, "grid.linewidth": 0.3, "axes.axisbelow": True})
+
+# Okabe and Ito's colours, which are told apart with any kind of colour vision; a family of structures each.
+COLOURS = ("#0072b2", "#e69f00", "#d55e00", "#009e73", "#cc79a7", "#56b4e9")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "*", "p", "h")
+LINES = ("-", "--", ":", "-.")
+
+
+def read_records(paths):
+    """The records of all files, in order; each with its file's machine and commit in "origin".
+
+    Ends the script if a file cannot be read, is not what stbvh-ab writes or holds no records.
+    """
+    records = []
+    for path in paths:
+        try:
+            with open(path, encoding="utf-8") as file:
+                report = json.load(file)
+            machine = report["machine"]
+            origin = f'{machine["cpu"]}, {machine["cores"]} cores, Embree {machine["embree"]}, stbvh {report["commit"]}'
+            found = [{**record, "kind": record["kind"], "origin": origin} for record in report["records"]]
+        except OSError as error:
+            fail(f'Cannot read "{path}": {error.strerror}.')
+        except ValueError as error:
+            fail(f'"{path}" is not whole JSON: {error}.')
+        except (KeyError, TypeError):
+            fail(f'"{path}" does not hold records of stbvh-ab.')
+        if not found:
+            fail(f'There are no records in "{path}".')
+        records += found
+    return records
+
+
+def distinct(values):
+    """Each value once, in the order in which they first occur."""
+    return list(dict.fromkeys(values))
+
+
+def family(structure):
+    """The first word of a structure's name; its variants share a colour."""
+    return structure.split("-")[0]
+
+
+def lighter(colour, share):
+    """The colour mixed with that share of white."""
+    return tuple(1 - (1 - c) * (1 - share) for c in matplotlib.colors.to_rgb(colour))
+
+
+def styles(structures):
+    """Colour, marker and line of each structure: the hue says the family; lightness, marker and line the variant."""
+    families = distinct(map(family, structures))
+    found = {}
+    for index, name in enumerate(families):
+        members = [s for s in structures if family(s) == name]
+        for variant, structure in enumerate(members):
+            found[structure] = {
+                "color": lighter(COLOURS[index % len(COLOURS)], 0.55 * variant / len(members)),
+                "marker": MARKERS[variant % len(MARKERS)],
+                "linestyle": LINES[variant % len(LINES)],
+            }
+    return found
+
+
+def whiskers(records, key):
+    """How far below and above `key` its least and largest lie, as errorbar and barh take them."""
+    return [[r[key] - r[key + "_min"] for r in records], [r[key + "_max"] - r[key] for r in records]]
+
+
+def finish(figure, records, title, text="", legend_height=0.0):
+    """Lays the figure out below its title and above a footer that says where `records` come from, then `text`.
+
+    legend_height: inches to leave free above the footer.
+    """
+    height = figure.get_size_inches()[1]
+    lines = distinct(r["origin"] for r in records)
+    if text:
+        lines.append(text)
+    figure.suptitle(title, fontsize=10, y=1 - 0.08 / height, va="top")
+    figure.text(0.01, 0.05 / height, "\n".join(lines), fontsize=6, va="bottom")
+    bottom = legend_height + 0.1 + 0.1 * len(lines)
+    figure.tight_layout(rect=(0, bottom / height, 1, 1))
+
+
+def save(figure, path):
+    """Writes the figure: the path's ending says how. Ends the script if it cannot."""
+    partial = f"{path}.partial"
+    extension = os.path.splitext(path)[1].lstrip(".")
+    try:
+        figure.savefig(partial, format=extension, dpi=150, metadata={"Date": None} if extension == "svg" else None)
+        os.replace(partial, path)
+    except OSError as error:
+        if os.path.exists(partial):
+            os.unlink(partial)
+        fail(f'Cannot write to "{path}": {error.strerror}.')
+    finally:
+        plt.close(figure)

@@ -1,0 +1,52 @@
+/// What command lines are read as.
+#include "harness/cli/options.h"
+
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+#include "harness/cli/pinned_threads.h"
+#include "harness/scenes/procedural/procedural.h"
+
+namespace stbvh::harness {
+namespace {
+
+Options parse(std::initializer_list<const char*> arguments) {
+  std::vector<const char*> argv{"stbvh-ab"};
+  argv.insert(argv.end(), arguments);
+  return parse_options(static_cast<int>(argv.size()), argv.data()).value();
+}
+
+std::vector<std::string> names_of(std::span<const ProceduralScene> scenes) {
+  std::vector<std::string> names;
+  for (const ProceduralScene& scene : scenes) names.emplace_back(scene.name);
+  return names;
+}
+
+TEST(SceneOptions, AreThoseOfThePaperUnlessNamed) {
+  EXPECT_EQ(parse({"bench"}).scenes, names_of(paper_scenes()));
+  EXPECT_EQ(parse({"error", "--scenes", "paper"}).scenes, names_of(paper_scenes()));
+  EXPECT_EQ(parse({"bench", "--scenes", "all"}).scenes, names_of(procedural_scenes()));
+  EXPECT_EQ(parse({"bench", "--scenes", "cloth,my.glb"}).scenes,
+            (std::vector<std::string>{"cloth", "my.glb"}));
+}
+
+TEST(SceneOptions, NameEachSceneOnce) {
+  std::vector<std::string> expected{"crowd", "llama", "barbershop", "train", "barbarian", "barbarian-rotate"};
+  EXPECT_EQ(parse({"bench", "--scenes", "crowd,paper,crowd"}).scenes, expected);
+}
+
+TEST(ThreadOptions, AreAllCoresOrAListOfCounts) {
+  EXPECT_EQ(parse({"bench"}).thread_counts, std::vector<unsigned>{usable_core_count()});
+  EXPECT_EQ(parse({"bench"}).threads, usable_core_count());
+  EXPECT_EQ(parse({"error", "--threads", "1"}).thread_counts, std::vector<unsigned>{1});
+  EXPECT_EQ(parse({"bench", "--threads", "1,1"}).thread_counts, std::vector<unsigned>{1});
+  if (usable_core_count() < 2) GTEST_SKIP() << "one core";
+  EXPECT_EQ(parse({"bench", "--threads", "2,1"}).thread_counts, (std::vector<unsigned>{1, 2}));
+  EXPECT_EQ(parse({"bench", "--threads", "2,1"}).threads, 2u);
+}
+
+}  // namespace
+}  // namespace stbvh::harness
