@@ -201,7 +201,8 @@ BinaryNode* BinaryTree::make_leaf(const ReferenceSet& set) {
   node->leaf = arena.make<BinaryLeaf>();
   const Reference& reference = set.references[0];
   const BuildMesh& mesh = context_.meshes[reference.mesh];
-  *node->leaf = {&context_.meshlets[reference.mesh].meshlets()[reference.meshlet], reference.mesh, {0, 0}, false};
+  *node->leaf = {
+      &context_.meshlets[reference.mesh].meshlets()[reference.meshlet], reference.mesh, {0, 0}, false};
   if (!mesh.is_static()) node->leaf->segments = mesh.segments_in(set.range);
   node->children[0] = node->children[1] = nullptr;
   node->range = set.range;

@@ -1,5 +1,6 @@
 // Memory and progress: every byte is reported and given back, also by builds that are cancelled.
 #include <atomic>
+#include <limits>
 
 #include "tests/plugin/mesh_pair.h"
 
