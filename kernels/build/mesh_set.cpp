@@ -14,10 +14,16 @@ namespace stbvh {
 
 namespace {
 
+/// A denormal time counts as 0: with flush-to-zero it does in any comparison, on the threads that have it
+/// set.
+float normal_time(float time) {
+  return std::fabs(time) < std::numeric_limits<float>::min() ? 0.0f : time;
+}
+
 TimeGrid make_grid(const MeshView& view) {
   constexpr float inf = std::numeric_limits<float>::infinity();
   if (view.steps.size() == 1) return {-inf, inf, inf, 0.0f};
-  const TimeRange range = view.time_range;
+  const TimeRange range{normal_time(view.time_range.begin), normal_time(view.time_range.end)};
   return {range.begin, range.end, range.end - range.begin, static_cast<float>(view.steps.size() - 1)};
 }
 
@@ -42,14 +48,12 @@ BuildMesh::BuildMesh(const MeshView& view, std::size_t index) : view_(view) {
     check(step.data != nullptr || step.count == 0, index, "lacks the vertex buffer of a step");
     check(step.stride >= sizeof(Vec3f), index, "has a vertex stride below 12 bytes");
   }
+  grid_ = make_grid(view_);
   if (view.steps.size() > 1) {
-    const TimeRange range = view.time_range;
-    const float length = range.end - range.begin;
-    check(std::isfinite(range.begin) && std::isfinite(range.end) && std::isfinite(length) &&
-              length >= std::numeric_limits<float>::min(),
+    check(std::isfinite(grid_.begin) && std::isfinite(grid_.end) && std::isfinite(grid_.length) &&
+              grid_.length >= std::numeric_limits<float>::min(),
           index, "has a time range that is empty or not finite");
   }
-  grid_ = make_grid(view_);
   for (std::uint32_t k = 1; k < segments(); ++k) boundaries_.push_back(first_time_of_segment(grid_, k));
   find_invalid_vertices();
 }

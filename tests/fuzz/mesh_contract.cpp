@@ -57,6 +57,11 @@ bool holds(const Box3f& box, const std::array<double, 3>& p) {
 
 }  // namespace
 
+/// Denormal times count as 0.
+static float normal(float time) {
+  return std::fabs(time) < std::numeric_limits<float>::min() ? 0.0f : time;
+}
+
 bool is_readable(const MeshView& mesh) {
   if (mesh.steps.empty() || mesh.steps.size() > kMaxSteps) return false;
   if (mesh.indices == nullptr && mesh.triangle_count > 0) return false;
@@ -66,7 +71,7 @@ bool is_readable(const MeshView& mesh) {
     if (step.data == nullptr && step.count > 0) return false;
   }
   if (mesh.steps.size() == 1) return true;
-  const TimeRange range = mesh.time_range;
+  const TimeRange range{normal(mesh.time_range.begin), normal(mesh.time_range.end)};
   const float length = range.end - range.begin;
   return std::isfinite(range.begin) && std::isfinite(range.end) && std::isfinite(length) &&
          length >= std::numeric_limits<float>::min();
@@ -85,7 +90,7 @@ std::vector<std::array<std::uint32_t, 3>> valid_triangles(const MeshView& mesh) 
 }
 
 bool is_ever_alive(const MeshView& mesh) {
-  return mesh.steps.size() == 1 || (mesh.time_range.begin <= 1.0f && mesh.time_range.end >= 0.0f);
+  return mesh.steps.size() == 1 || (mesh.time_range.begin <= 1.0f && normal(mesh.time_range.end) >= 0.0f);
 }
 
 void check_statistics(std::span<const MeshView> meshes, const BuildStatistics& statistics) {
@@ -115,7 +120,9 @@ void check_statistics(std::span<const MeshView> meshes, const BuildStatistics& s
           "statistics: each but the root is a child");
   require(s.leaf_triangles >= triangles && s.leaf_triangles <= 8 * leaves, "statistics: leaf_triangles");
   require((s.depth > 0) == (nodes > 0) && s.depth <= nodes && s.depth < 90, "statistics: depth");
-  require(s.leaf_bytes >= 96 * leaves && s.leaf_bytes <= s.structure_bytes, "statistics: leaf_bytes");
+  require(
+      s.leaf_bytes >= 96 * (s.inline_leaves + (s.indexed_leaves > 0)) && s.leaf_bytes <= s.structure_bytes,
+      "statistics: leaf_bytes");
   require(s.peak_bytes >= s.structure_bytes, "statistics: peak_bytes");
 }
 

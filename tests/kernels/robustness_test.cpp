@@ -286,6 +286,23 @@ TEST(Robustness, TimeRangesOfDenormalLength) {
   }
 }
 
+/// Threads of a build need not have the flush-to-zero mode of the caller: what is alive must not depend on
+/// it.
+TEST(Robustness, DenormalTimesCountAsZero) {
+  const float denormal = std::numeric_limits<float>::denorm_min();
+  const float least = std::numeric_limits<float>::min();
+  for (const bool flush : {false, true}) {
+    const FlushToZero guard(flush);
+    for (const float end : {0.0f, -0.0f, -denormal, denormal}) {
+      std::vector<TestMesh> meshes{timed(ordinary(100, 3, 45), {-1.0f, end})};
+      const auto structure = Structure::build(views(meshes));
+      EXPECT_EQ(structure->statistics().triangles, views(meshes)[0].triangle_count) << flush << " " << end;
+    }
+    std::vector<TestMesh> meshes{timed(ordinary(100, 3, 45), {-denormal, 0.9f * least})};
+    EXPECT_THROW(Structure::build(views(meshes)), InvalidMesh) << flush;
+  }
+}
+
 TEST(Robustness, TimeRangesFarBeyondTheShutter) {
   for (const TimeRange range :
        {TimeRange{-1000.0f, 1000.0001f}, TimeRange{-1e6f, 1.0f}, TimeRange{0.0f, 3e30f}}) {
