@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <array>
@@ -350,6 +351,21 @@ TEST(Meshlets, GiveTemporaryMemoryBackWhenItIsRefused) {
     ++refused;
   }
   EXPECT_EQ(refused, 6) << "the triangles, four runs, and all meshlets";
+}
+
+/// As when the build of another mesh has thrown: TBB skips the runs that are left, and throws nothing itself.
+TEST(Meshlets, AreCancelledWithTheTaskTheyAreMadeIn) {
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  tbb::task_group_context task;
+  int taken = 0;
+  BuildCallbacks callbacks;
+  callbacks.temporary_memory = [&](std::ptrdiff_t more) {
+    if (more > 0 && ++taken == 2) task.cancel_group_execution();  // the first run, after the triangles
+    return true;
+  };
+  tbb::task_group(task).run_and_wait(
+      [&] { EXPECT_THROW(Meshlets(grid(120, 2), callbacks), BuildCancelled); });
+  EXPECT_EQ(taken, 2);
 }
 
 }  // namespace
