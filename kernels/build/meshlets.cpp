@@ -456,6 +456,9 @@ MeshletSet make_meshlets(BuildContext& context, const BuildMesh& mesh) {
     runs[i] = std::make_unique<Array>(context.memory, meshlets.size());
     std::copy(meshlets.begin(), meshlets.end(), runs[i]->data());
   });
+  for (const auto& run : runs) {
+    if (run == nullptr) throw BuildCancelled();  // tasks were skipped: another mesh has thrown
+  }
   if (runs.size() == 1) {
     set.storage = std::move(runs[0]);
     return set;
