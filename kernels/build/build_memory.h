@@ -28,6 +28,21 @@ class BuildMemory {
   std::atomic<std::size_t> peak_{0};
 };
 
+/// Counts memory that others allocate.
+class CountedMemory {
+ public:
+  CountedMemory(BuildMemory& memory, std::size_t bytes) : memory_(memory), bytes_(bytes) {
+    memory_.take(bytes);
+  }
+  ~CountedMemory() { memory_.give_back(bytes_); }
+  CountedMemory(const CountedMemory&) = delete;
+  CountedMemory& operator=(const CountedMemory&) = delete;
+
+ private:
+  BuildMemory& memory_;
+  std::size_t bytes_;
+};
+
 /// An uninitialised array of plain data, counted in a BuildMemory while it lives.
 template <typename T>
 class TemporaryArray {

@@ -103,6 +103,9 @@ Boxes united(Boxes a, const Boxes& b) {
 /// Groups one run of triangles.
 class Grouping {
  public:
+  /// At most, of all that is kept while a run is grouped.
+  static constexpr std::size_t kBytesPerTriangle = 384;
+
   Grouping(const BuildMesh& mesh, std::span<const SortedTriangle> run) : mesh_(mesh), run_(run) {
     number_vertices();
     find_neighbours();
@@ -154,14 +157,18 @@ class Grouping {
 
   std::uint32_t canonical_vertex(IndexTable& by_position, std::uint32_t vertex,
                                  const std::array<std::size_t, kSamples>& steps) {
-    const Vec3f p = mesh_.position(steps[0], vertex);
-    const std::uint64_t hash = std::bit_cast<std::uint32_t>(p.x) * 0x9E3779B97F4A7C15u ^
-                               std::bit_cast<std::uint32_t>(p.y) * 0xC2B2AE3D27D4EB4Fu ^
-                               std::bit_cast<std::uint32_t>(p.z) * 0x165667B19E3779F9u;
+    // Vertices may coincide at some steps only: where all that can move start, for example.
+    std::uint64_t hash = 0;
+    for (const std::size_t step : {std::size_t{0}, steps[0], steps[1], mesh_.segments()}) {
+      const Vec3f p = mesh_.position(step, vertex);
+      for (const float x : {p.x, p.y, p.z}) {
+        hash = (hash ^ std::bit_cast<std::uint32_t>(x)) * 0x9E3779B97F4A7C15u;
+        hash ^= hash >> 32;
+      }
+    }
     const auto added = static_cast<std::uint32_t>(vertices_.size());
-    const std::uint32_t index = by_position.find_or_add(hash ^ hash >> 32, added, [&](std::uint32_t k) {
-      return same_position(mesh_, vertices_[k], vertex);
-    });
+    const std::uint32_t index = by_position.find_or_add(
+        hash, added, [&](std::uint32_t k) { return same_position(mesh_, vertices_[k], vertex); });
     if (index == added) {
       vertices_.push_back(vertex);
       for (std::size_t s = 0; s < kSamples; ++s)
@@ -178,9 +185,9 @@ class Grouping {
     live_.assign(first_.begin() + 1, first_.end());
     for (std::size_t v = 0; v < vertices_.size(); ++v) first_[v + 1] += first_[v];
     triangles_.resize(first_.back());
-    std::vector<std::uint32_t> fill(first_.begin(), first_.end() - 1);
+    end_.assign(first_.begin(), first_.end() - 1);
     for (std::size_t i = 0; i < corners_.size(); ++i) {
-      for (const std::uint32_t v : corners_[i]) triangles_[fill[v]++] = static_cast<std::uint32_t>(i);
+      for (const std::uint32_t v : corners_[i]) triangles_[end_[v]++] = static_cast<std::uint32_t>(i);
     }
   }
 
@@ -237,14 +244,20 @@ class Grouping {
         vertex_group_[v] = group;
         vertex_slot_[v] = m.vertex_count;
         m.vertices[m.vertex_count++] = vertices_[v];
-        for (std::uint32_t k = first_[v]; k < first_[v + 1]; ++k) {
-          const std::uint32_t t = triangles_[k];
-          if (used_[t] || seen_[t] == group) continue;
-          seen_[t] = group;
-          candidates_.push_back(t);
-        }
+        add_candidates(v, group);
       }
       m.corners[corner][i] = vertex_slot_[v];
+    }
+  }
+
+  /// Unused triangles at a vertex; not all of them where thousands meet.
+  void add_candidates(std::uint32_t vertex, std::uint32_t group) {
+    while (first_[vertex] < end_[vertex] && used_[triangles_[first_[vertex]]]) ++first_[vertex];
+    for (std::uint32_t k = first_[vertex]; k < end_[vertex] && candidates_.size() < kMostCandidates; ++k) {
+      const std::uint32_t t = triangles_[k];
+      if (used_[t] || seen_[t] == group) continue;
+      seen_[t] = group;
+      candidates_.push_back(t);
     }
   }
 
@@ -315,7 +328,6 @@ class Grouping {
     for (std::uint32_t g = 0; g < meshlets_.size(); ++g) {
       if (meshlets_[g].vertex_count < kWidth && meshlets_[g].triangle_count < kWidth) small.push_back(g);
     }
-    // In the order of the curve, by the first triangle of each.
     for (std::size_t i = 0; i < small.size(); ++i) {
       if (meshlets_[small[i]].triangle_count == 0) continue;
       for (;;) {
@@ -345,15 +357,17 @@ class Grouping {
   }
 
   static constexpr std::size_t kMergeWindow = 16;
+  static constexpr std::size_t kMostCandidates = 64;
 
   const BuildMesh& mesh_;
   std::span<const SortedTriangle> run_;
   std::vector<std::uint32_t> ids_;       ///< vertices of the mesh met so far
   std::vector<std::uint32_t> vertices_;  ///< those of them that differ in position
   std::vector<F32x4> positions_[kSamples];
-  std::vector<Corners> corners_;                  ///< of each triangle, as indices into vertices_
-  std::vector<std::uint32_t> first_, triangles_;  ///< of each vertex
-  std::vector<std::uint32_t> live_;               ///< unused triangles of each vertex
+  std::vector<Corners> corners_;            ///< of each triangle, as indices into vertices_
+  std::vector<std::uint32_t> triangles_;    ///< of all vertices
+  std::vector<std::uint32_t> first_, end_;  ///< those of each vertex that may be unused
+  std::vector<std::uint32_t> live_;         ///< unused triangles of each vertex
   std::vector<std::uint8_t> used_;
   std::vector<std::uint32_t> seen_;  ///< the last group that a triangle was a candidate of
   std::vector<std::uint32_t> vertex_group_;
@@ -451,7 +465,9 @@ MeshletSet make_meshlets(BuildContext& context, const BuildMesh& mesh) {
   tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
     context.progress.check();
     const std::size_t begin = i * kRun;
-    Grouping grouping(mesh, triangles.subspan(begin, std::min(kRun, triangles.size() - begin)));
+    const std::size_t count = std::min(kRun, triangles.size() - begin);
+    const CountedMemory counted(context.memory, count * Grouping::kBytesPerTriangle);
+    Grouping grouping(mesh, triangles.subspan(begin, count));
     const std::vector<Meshlet> meshlets = grouping.group();
     runs[i] = std::make_unique<Array>(context.memory, meshlets.size());
     std::copy(meshlets.begin(), meshlets.end(), runs[i]->data());

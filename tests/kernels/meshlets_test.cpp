@@ -308,6 +308,23 @@ TEST(Meshlets, TakeCoordinatesOfAnySize) {
   expect_sound(Meshlets(corners));
 }
 
+/// All start from one point, as what grows does.
+TEST(Meshlets, TakeMeshesThatCoincideAtOneStep) {
+  for (const std::size_t step : {0u, 1u, 3u, 4u}) {
+    TestMesh mesh = grid(90, 5);
+    std::fill(mesh.positions[step].begin(), mesh.positions[step].end(), Vec3f{1, 2, 3});
+    const Meshlets meshlets(mesh);
+    expect_sound(meshlets);
+    EXPECT_GE(meshlets.mean_triangles(), 4.5) << step;
+  }
+}
+
+TEST(Meshlets, TakeFansOfThousands) {
+  TestMesh fan = grid(100, 2);
+  for (std::size_t corner = 0; corner < fan.indices.size(); corner += 3) fan.indices[corner] = 0;
+  expect_sound(Meshlets(fan));
+}
+
 TEST(Meshlets, TakeCoordinatesThatAreAllEqual) {
   for (const float x : {0.0f, 1.0f, -1e17f}) {
     TestMesh mesh = test::soup(3000, 2, 12);
@@ -350,7 +367,7 @@ TEST(Meshlets, GiveTemporaryMemoryBackWhenItIsRefused) {
     if (!cancelled) break;
     ++refused;
   }
-  EXPECT_EQ(refused, 6) << "the triangles, four runs, and all meshlets";
+  EXPECT_EQ(refused, 10) << "the triangles, four runs and what they keep meanwhile, and all meshlets";
 }
 
 /// As when the build of another mesh has thrown: TBB skips the runs that are left, and throws nothing itself.
@@ -360,12 +377,12 @@ TEST(Meshlets, AreCancelledWithTheTaskTheyAreMadeIn) {
   int taken = 0;
   BuildCallbacks callbacks;
   callbacks.temporary_memory = [&](std::ptrdiff_t more) {
-    if (more > 0 && ++taken == 2) task.cancel_group_execution();  // the first run, after the triangles
+    if (more > 0 && ++taken == 2) task.cancel_group_execution();  // in the first run
     return true;
   };
   tbb::task_group(task).run_and_wait(
       [&] { EXPECT_THROW(Meshlets(grid(120, 2), callbacks), BuildCancelled); });
-  EXPECT_EQ(taken, 2);
+  EXPECT_EQ(taken, 3) << "the first run is finished";
 }
 
 }  // namespace
