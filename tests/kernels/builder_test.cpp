@@ -65,15 +65,25 @@ TEST(Builder, StatisticsAddUpToTheBytes) {
   EXPECT_GE(s.leaf_triangles, s.triangles);
 }
 
-TEST(Builder, IndexedLeavesAreChosenByTheNumberOfSteps) {
+TEST(Builder, InlineShareLimitsTheBytesOfInlineLeaves) {
   std::vector<TestMesh> meshes = mixed_meshes();
-  BuildSettings settings;
-  settings.inline_share = 0.0f;
-  const auto indexed = Structure::build(views(meshes), settings);
-  EXPECT_EQ(indexed->statistics().inline_leaves, 0u);
-  const auto inlined = Structure::build(views(meshes));
-  EXPECT_EQ(inlined->statistics().indexed_leaves, 0u);
-  EXPECT_LT(indexed->statistics().structure_bytes, inlined->statistics().structure_bytes);
+  const BuildStatistics all = Structure::build(views(meshes))->statistics();
+  EXPECT_EQ(all.indexed_leaves, 0u);
+  std::size_t previous = all.inline_leaves + 1;
+  for (const float share : {0.75f, 0.5f, 0.25f, 0.0f}) {
+    BuildSettings settings;
+    settings.inline_share = share;
+    const BuildStatistics s = Structure::build(views(meshes), settings)->statistics();
+    EXPECT_EQ(s.inline_leaves + s.indexed_leaves, all.inline_leaves) << "the tree is the same";
+    EXPECT_LT(s.inline_leaves, previous);
+    const auto budget = static_cast<std::size_t>(share * static_cast<float>(all.leaf_bytes));
+    // One indexed leaf serves all time ranges of its triangles: no more of them than triangles.
+    EXPECT_LE(s.leaf_bytes, budget + s.triangles * kIndexedLeafBytes);
+    EXPECT_LE(s.leaf_bytes, budget + s.indexed_leaves * kIndexedLeafBytes);
+    if (share > 0.0f) EXPECT_GT(s.leaf_bytes, budget * 9 / 10) << "the budget is used";
+    previous = s.inline_leaves;
+  }
+  EXPECT_EQ(previous, 0u);
 }
 
 TEST(Builder, InvalidPrimitivesAreLeftOutAndCounted) {
