@@ -6,9 +6,6 @@
 /// a temporal split then pays only where it shrinks boxes.
 #pragma once
 
-#include <cmath>
-#include <cstddef>
-
 #include "build/linear_bounds.h"
 #include "build/mesh_set.h"
 

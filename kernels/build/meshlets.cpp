@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 
 #include "build/mbsah.h"
 
@@ -300,15 +301,15 @@ class Grouping {
     group_boxes_.push_back(boxes);
   }
 
-  /// Appends the triangles of `b` to `a` if a leaf has room for both; vertices in common count once.
-  bool join(Meshlet& a, const Meshlet& b) const {
+  /// The triangles of both, if a leaf has room for them; vertices in common count once.
+  static std::optional<Meshlet> joined(const Meshlet& a, const Meshlet& b) {
+    if (a.triangle_count + b.triangle_count > kWidth) return std::nullopt;
     Meshlet m = a;
-    if (m.triangle_count + b.triangle_count > kWidth) return false;
     std::uint8_t slots[kWidth];
     for (std::size_t i = 0; i < b.vertex_count; ++i) {
       std::uint8_t slot = 0;
       while (slot < m.vertex_count && m.vertices[slot] != b.vertices[i]) ++slot;
-      if (slot == kWidth) return false;
+      if (slot == kWidth) return std::nullopt;
       if (slot == m.vertex_count) m.vertices[m.vertex_count++] = b.vertices[i];
       slots[i] = slot;
     }
@@ -318,8 +319,7 @@ class Grouping {
         m.corners[corner][m.triangle_count] = slots[b.corners[corner][i]];
       ++m.triangle_count;
     }
-    a = m;
-    return true;
+    return m;
   }
 
   /// Small groups that are left over join others of the next few in the run, where that pays.
@@ -333,22 +333,24 @@ class Grouping {
       for (;;) {
         Meshlet& m = meshlets_[small[i]];
         Boxes& boxes = group_boxes_[small[i]];
+        const float area = boxes.area();
         std::uint32_t best = kNone;
+        std::optional<Meshlet> best_joined;
         float best_gain = 0;
         for (std::size_t j = i + 1; j < std::min(small.size(), i + kMergeWindow); ++j) {
           const Meshlet& other = meshlets_[small[j]];
           if (other.triangle_count == 0) continue;
           const Boxes& others = group_boxes_[small[j]];
-          const float gain =
-              boxes.area() + others.area() - united(boxes, others).area() * (1.0f - kSplitCost);
-          Meshlet trial = m;
-          if (gain > best_gain && join(trial, other)) {
+          const float gain = area + others.area() - united(boxes, others).area() * (1.0f - kSplitCost);
+          if (!(gain > best_gain)) continue;
+          if (const std::optional<Meshlet> both = joined(m, other)) {
             best_gain = gain;
             best = small[j];
+            best_joined = both;
           }
         }
-        if (best == kNone) break;
-        join(m, meshlets_[best]);
+        if (!best_joined) break;
+        m = *best_joined;
         boxes.extend(group_boxes_[best]);
         meshlets_[best].triangle_count = 0;
       }

@@ -6,7 +6,7 @@
 namespace stbvh {
 
 struct ObjectSplit {
-  /// Sum over both sides of SA' * leaf_count; infinity where no plane separates the set.
+  /// Sum over both sides of SA' * references; infinity where no plane separates the set.
   float cost = std::numeric_limits<float>::infinity();
   int axis = 0;
   /// Binned: references of bins below go left. Swept: this many go left, in the order of centroids.

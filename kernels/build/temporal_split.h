@@ -11,8 +11,7 @@ namespace stbvh {
 
 struct TemporalSplit {
   ClosedTimeRange halves[2];  ///< together the set's range, without a float between them
-  /// Share of the references whose leaf would be split here in any case, as it shrinks enough: 0 to 1. For a
-  /// set small enough for one leaf it is 0 or 1, by the bounds of the whole set.
+  /// Share of the references that would be split here in any case, as they shrink enough: 0 to 1.
   float wanted_share = 0.0f;
 };
 

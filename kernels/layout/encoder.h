@@ -18,7 +18,8 @@ class Encoder {
   std::size_t bytes() const { return units_ * kUnitBytes + indexed_count_ * kIndexedLeafBytes; }
 
   /// Writes nodes and leaves to `data` (bytes() of it, aligned to kUnitBytes), each node followed by its
-  /// children's subtrees in the order in which occlusion rays try them. Returns the root's link.
+  /// children's subtrees in the order in which occlusion rays try them, indexed leaves behind all. Returns
+  /// the root's link.
   Link encode(std::byte* data) const;
 
   /// Counts of nodes and leaves, depth: what measuring the tree has found.
