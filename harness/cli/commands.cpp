@@ -11,7 +11,7 @@
 #include "harness/cli/script.h"
 #include "harness/cli/usage_error.h"
 #include "harness/files/output_file.h"
-#include "harness/picture/png_file.h"
+#include "harness/images/png_file.h"
 #include "harness/picture/render_picture.h"
 #include "harness/rays/ray_generator.h"
 #include "harness/scenes/procedural/procedural.h"

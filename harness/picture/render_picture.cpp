@@ -118,7 +118,7 @@ class PictureTracer {
     const Vec3f ambient = cosine_direction(normal, random);
     const bool hidden = geometry_.occluded(point, ambient, view_.ambient_distance, time);
     light = light + (hidden ? kHiddenAmbient : kSkyAmbient) * sky(ambient);
-    return light * scene_.meshes[query.hit.geomID].color;
+    return light * scene_.meshes[query.hit.geomID].material.color;
   }
 
   Vec3f jittered_sun(SampleRandom& random) const {

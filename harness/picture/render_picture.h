@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <functional>
 
-#include "harness/picture/image.h"
+#include "harness/images/image.h"
 #include "harness/scenes/scene.h"
 
 namespace stbvh::harness {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,6 +30,21 @@ class VertexBuffer {
   std::vector<Vec3f> storage_;
 };
 
+/// How a surface reflects, the same everywhere on it: there are no textures.
+struct Material {
+  enum class Kind {
+    kDiffuse,  ///< Lambert
+    kGlossy,   ///< a diffuse base under a rough coat
+    kMirror,   ///< perfect reflection
+    kGlass,    ///< smooth dielectric, closed surfaces
+  };
+  Kind kind = Kind::kDiffuse;
+  Vec3f color{0.7f, 0.7f, 0.7f};     ///< reflectance, or of glass transmittance; linear RGB
+  float roughness = 0.3f;            ///< of kGlossy, 0 to 1
+  float index_of_refraction = 1.5f;  ///< of kGlass and of the coat of kGlossy
+  Vec3f emission{0, 0, 0};           ///< radiance; a mesh that emits is an area light, on both sides
+};
+
 /// A triangle mesh with one vertex buffer for each step over `time_range`.
 struct Mesh {
   std::string name;
@@ -36,7 +52,7 @@ struct Mesh {
   std::vector<VertexBuffer> steps;     ///< 1 (static) to kMaxSteps, all of the same size
   TimeRange time_range;                ///< in ray time, default [0, 1]
   std::uint32_t mask = 0xFFFFFFFFu;
-  Vec3f color{0.7f, 0.7f, 0.7f};  ///< base colour, linear RGB, for pictures
+  Material material;  ///< for pictures
 
   std::size_t triangle_count() const { return indices.size() / 3; }
   std::size_t segment_count() const { return steps.empty() ? 0 : steps.size() - 1; }
@@ -53,10 +69,27 @@ struct Camera {
   float vertical_fov_degrees = 40.0f;
 };
 
+/// Light from far away, out of a disc.
+struct DirectionalLight {
+  Vec3f direction{0, -1, 0};     ///< in which it travels; any length
+  Vec3f irradiance{3, 3, 3};     ///< on a surface that faces it; linear RGB
+  float half_angle_degrees = 0;  ///< of the disc; 0: hard shadows
+};
+
+/// Light from all directions: a constant, or a picture of latitude and longitude.
+struct Environment {
+  Vec3f radiance{1, 1, 1};  ///< or what the picture is multiplied with
+  std::size_t width = 0;    ///< of the picture; 0: there is none
+  std::size_t height = 0;
+  std::vector<Vec3f> pixels;  ///< rows from +y down to -y; columns from -z over +x, +z and -x back to -z
+};
+
 struct Scene {
   std::string name;
   std::vector<Mesh> meshes;
   Camera camera;
+  std::vector<DirectionalLight> directional_lights;
+  std::optional<Environment> environment;  ///< without any light, pictures are lit by a sun and a sky
 
   std::size_t triangle_count() const;
   /// Sum over triangles of max(segments, 1).

@@ -134,7 +134,7 @@ TEST(Gltf, WhatStandsStillHasOneStep) {
   EXPECT_EQ(scene.meshes[0].name, "mast");
   EXPECT_EQ(scene.meshes[0].steps.size(), 1u);
   for (std::size_t i = 1; i < 5; ++i) EXPECT_EQ(scene.meshes[i].steps.size(), 9u);
-  EXPECT_FLOAT_EQ(scene.meshes[1].color.y, 0.7f);
+  EXPECT_FLOAT_EQ(scene.meshes[1].material.color.y, 0.7f);
   const GltfOptions at_begin{"spin", TimeRange{0.5f, 0.5f}, 1};
   for (const Mesh& mesh : load_gltf(kData / "propeller.glb", at_begin).meshes)
     EXPECT_EQ(mesh.steps.size(), 1u);

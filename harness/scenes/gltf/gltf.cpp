@@ -47,10 +47,10 @@ bool same_bits(const VertexBuffer& a, const VertexBuffer& b) {
 }
 
 Vec3f base_color(const tinygltf::Model& model, int material) {
-  if (material < 0 || static_cast<std::size_t>(material) >= model.materials.size()) return Mesh{}.color;
+  if (material < 0 || static_cast<std::size_t>(material) >= model.materials.size()) return Material{}.color;
   const std::vector<double>& factor =
       model.materials[static_cast<std::size_t>(material)].pbrMetallicRoughness.baseColorFactor;
-  if (factor.size() < 3) return Mesh{}.color;
+  if (factor.size() < 3) return Material{}.color;
   const auto channel = [&](std::size_t i) { return static_cast<float>(std::clamp(factor[i], 0.0, 1.0)); };
   return {channel(0), channel(1), channel(2)};
 }
@@ -93,7 +93,7 @@ std::vector<Mesh> make_meshes(const tinygltf::Model& model, const NodeTree& tree
         fail("its vertices need more than {} GB with {} steps", kMaxSceneBytes >> 30, poses.size());
       Mesh& mesh = meshes.emplace_back();
       mesh.name = mesh_name(model, node, i);
-      mesh.color = base_color(model, sources[i].material);
+      mesh.material.color = base_color(model, sources[i].material);
       mesh.steps = all_steps(*primitive, poses);
       mesh.indices = std::move(primitive->indices);
     }

@@ -76,7 +76,7 @@ Scene make_cloth_with_steps(double scale, std::uint64_t seed, std::size_t steps)
 
   Mesh& mesh = scene.meshes.emplace_back();
   mesh.name = "cloth";
-  mesh.color = {0.55f, 0.06f, 0.07f};
+  mesh.material.color = {0.55f, 0.06f, 0.07f};
   const Shape grid = make_grid(columns, rows, [](double u, double v) { return Vec3{u, v, 0}; });
   mesh.indices = grid.indices;
   const auto substep_begin = [](std::size_t s) {

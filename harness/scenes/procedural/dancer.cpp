@@ -162,7 +162,7 @@ Mesh make_skirt(const Skeleton& skeleton, std::size_t triangles, std::uint64_t s
       Wrap::kU);
   Mesh mesh;
   mesh.name = "skirt";
-  mesh.color = {0.6f, 0.05f, 0.12f};
+  mesh.material.color = {0.6f, 0.05f, 0.12f};
   mesh.indices = grid.indices;
   Skirt skirt(skeleton, seed);
   double now = -kSettle;

@@ -179,7 +179,7 @@ std::vector<Mesh> grow_fur(const std::string& name, const SkinnedShape& skin, co
   for (std::size_t c = 0; c < by_colour.size(); ++c) {
     Mesh& mesh = meshes.emplace_back();
     mesh.name = name;
-    mesh.color = settings.colours[c];
+    mesh.material.color = settings.colours[c];
     mesh.indices = strand_indices(by_colour[c].size(), settings.segments);
   }
   const std::size_t each = kAround * settings.segments + 1;

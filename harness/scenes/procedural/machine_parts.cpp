@@ -102,7 +102,7 @@ Mesh make_mesh(const Part& part, const Cut* cuts) {
   }
   Mesh mesh;
   mesh.name = part.name;
-  mesh.color = to_float(part.color);
+  mesh.material.color = to_float(part.color);
   mesh.indices.resize(3 * first_triangle.back());
   for (std::size_t k = 0; k < part.steps; ++k) mesh.steps.emplace_back(first_vertex.back());
   tbb::parallel_for(std::size_t{0}, part.patches.size(), [&](std::size_t i) {

@@ -201,7 +201,7 @@ Mesh animate(std::string name, const Shape& shape, std::size_t steps, Vec3f colo
   Mesh mesh;
   mesh.name = std::move(name);
   mesh.indices = shape.indices;
-  mesh.color = color;
+  mesh.material.color = color;
   mesh.steps = evaluate_steps(shape.positions.size(), steps, [&](std::size_t i, double time) {
     return motion(shape.positions[i], i, time);
   });

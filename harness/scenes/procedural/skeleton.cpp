@@ -87,7 +87,7 @@ Mesh skin(std::string name, const SkinnedShape& skinned, const std::vector<std::
   Mesh mesh;
   mesh.name = std::move(name);
   mesh.indices = skinned.shape.indices;
-  mesh.color = color;
+  mesh.material.color = color;
   const std::vector<Vec3>& rest = skinned.shape.positions;
   for (const std::vector<Rigid>& at_step : transforms) {
     VertexBuffer& buffer = mesh.steps.emplace_back(rest.size());

@@ -33,7 +33,7 @@ Mesh trail(std::string name, const TrailingShape& shape, const Skeleton& skeleto
   Mesh mesh;
   mesh.name = std::move(name);
   mesh.indices = shape.skinned.shape.indices;
-  mesh.color = color;
+  mesh.material.color = color;
   const std::vector<Vec3>& rest = shape.skinned.shape.positions;
   for (std::size_t k = 0; k < steps; ++k) {
     std::vector<std::vector<Rigid>> past;

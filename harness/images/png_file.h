@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-#include "harness/picture/image.h"
+#include "harness/images/image.h"
 
 namespace stbvh::harness {
 

@@ -1,4 +1,4 @@
-#include "harness/picture/png_file.h"
+#include "harness/images/png_file.h"
 
 #include <fmt/format.h>
 #include <png.h>
