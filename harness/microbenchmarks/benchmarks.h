@@ -13,6 +13,10 @@ void register_steps();
 /// Embree with the plugin, and through Embree's own triangles.
 void register_whole_queries();
 
+/// Whole queries on scenes that no cache holds: how much of a ray's time is computing, and how much waiting
+/// for memory. Builds scenes for seconds.
+void register_waiting();
+
 /// What Embree itself costs: queries of an empty scene, and of a user geometry whose callbacks only count.
 void register_embree_calls();
 

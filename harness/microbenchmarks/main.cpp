@@ -1,4 +1,5 @@
-// The floor of the traversal: what single steps and small queries cost with everything in the caches.
+// The floor of the traversal: what single steps and small queries cost with everything in the caches, and how
+// much of a ray in a large scene is waiting.
 #include <xmmintrin.h>
 
 #include "harness/microbenchmarks/benchmarks.h"
@@ -10,6 +11,7 @@ int main(int argc, char** argv) {
   register_steps();
   register_whole_queries();
   register_embree_calls();
+  register_waiting();
   constexpr unsigned kFlushDenormals = 0x8040;  // as Embree asks of applications
   _mm_setcsr(_mm_getcsr() | kFlushDenormals);
   benchmark::RunSpecifiedBenchmarks();

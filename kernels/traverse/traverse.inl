@@ -137,9 +137,18 @@ inline const std::byte* address(const StructureView& structure, Link link) {
 
 /// Traversal waits for memory most of the time. All lines of a node are asked for at once, as soon as it is
 /// known that it comes next, or after next; once each: instructions count too (docs/performance.md).
+template <std::size_t kBytes>
 inline void prefetch(const StructureView& structure, Link link) {
   const std::byte* data = address(structure, link);
-  for (std::size_t line = 0; line < sizeof(LinearNode); line += 64) __builtin_prefetch(data + line);
+  for (std::size_t line = 0; line < kBytes; line += 64) __builtin_prefetch(data + line);
+}
+
+/// Of what comes next also the later steps of a long leaf, or the start of the child that stands behind it.
+inline void prefetch_next(const StructureView& structure, Link link) {
+  prefetch<640>(structure, link);
+}
+inline void prefetch_after_next(const StructureView& structure, Link link) {
+  prefetch<sizeof(LinearNode)>(structure, link);
 }
 
 /// For closest hits: the nearest of the children met; the others are pushed, the nearer the higher.
@@ -188,8 +197,8 @@ bool find_closest_hit(const StructureView& structure, const Query& query) {
       const ChildHits hits = intersect_any_node<Test>(ray, kind, data, children);
       if (hits.bits != 0) {
         entry = nearest_child(hits, children, top);
-        prefetch(structure, entry.link);
-        if (top != stack) prefetch(structure, top[-1].link);
+        prefetch_next(structure, entry.link);
+        if (top != stack) prefetch_after_next(structure, top[-1].link);
         continue;
       }
     } else {
@@ -200,7 +209,7 @@ bool find_closest_hit(const StructureView& structure, const Query& query) {
       if (top == stack) return found;
       entry = *--top;
     } while (entry.s > ray.s_far);
-    if (top != stack) prefetch(structure, top[-1].link);
+    if (top != stack) prefetch_after_next(structure, top[-1].link);
   }
 }
 
@@ -223,8 +232,8 @@ bool find_any_hit(const StructureView& structure, const Query& query) {
       met.bits = intersect_any_node<Test>(ray, kind, data, met.children).bits;
       if (met.bits != 0) {
         link = take_first(met);
-        prefetch(structure, link);
-        if (met.bits != 0) prefetch(structure, first_of(met));
+        prefetch_next(structure, link);
+        if (met.bits != 0) prefetch_after_next(structure, first_of(met));
         *top = met;
         top += met.bits != 0;
         continue;
@@ -236,7 +245,7 @@ bool find_any_hit(const StructureView& structure, const Query& query) {
     if (top == stack) return found;
     Siblings& next = top[-1];
     link = take_first(next);
-    if (next.bits != 0) prefetch(structure, first_of(next));
+    if (next.bits != 0) prefetch_after_next(structure, first_of(next));
     top -= next.bits == 0;
   }
 }
