@@ -8,6 +8,7 @@
 
 #include "harness/cli/check_options.h"
 #include "harness/cli/pinned_threads.h"
+#include "harness/cli/render_options.h"
 #include "harness/cli/usage_error.h"
 #include "harness/report/machine.h"
 
@@ -161,12 +162,11 @@ void add_charts(CLI::App& app, Arguments& a) {
       ->capture_default_str();
 }
 
-void add_picture(CLI::App& app, Arguments& a) {
-  CLI::App& picture = *app.add_subcommand("picture", "Write a shaded, motion-blurred PNG of each scene");
-  add_scene_options(picture, a);
-  picture.add_option("-o,--output", a.directory, "Directory for the pictures")->required();
-  picture.add_option("--size", a.size, "WxH in pixels")->default_str("960x540");
-  picture.add_option("--spp", a.options.samples_per_pixel, "Samples for each pixel")->capture_default_str();
+void add_render(CLI::App& app, Arguments& a) {
+  CLI::App& render = *app.add_subcommand(
+      "render", "Path-traced pictures of each scene through each structure, as OpenEXR files of many layers");
+  add_scene_options(render, a);
+  add_render_options(render, a);
 }
 
 }  // namespace
@@ -185,7 +185,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   add_pareto(app, a);
   add_scaling(app, a);
   add_charts(app, a);
-  add_picture(app, a);
+  add_render(app, a);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
