@@ -137,7 +137,7 @@ std::optional<LightSample> EnvironmentLight::sample(SamplePoint point) const {
 DefaultLights sun_and_sky(const Camera& camera) {
   constexpr Vec3f kSunIrradiance{4.6f, 4.3f, 3.8f};
   constexpr float kSunHalfAngle = 1.7f;  // wider than the true sun: shadows with soft edges
-  constexpr Color kZenith{0.42, 0.60, 0.90}, kHorizon{0.86, 0.91, 0.97}, kBelow{0.50, 0.48, 0.45};
+  constexpr Color kZenith{0.30, 0.47, 0.80}, kHorizon{0.70, 0.77, 0.86}, kBelow{0.38, 0.36, 0.33};
   constexpr std::size_t kWidth = 256, kHeight = 256;
   const Vec3 up = normalize(to_double(camera.up));
   const Vec3 right = normalize(cross(to_double(camera.target) - to_double(camera.position), up));
