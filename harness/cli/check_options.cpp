@@ -260,6 +260,12 @@ Options checked_options(Arguments a, const CLI::App& command) {
     a.options.directory = a.directory;
     return a.options;
   }
+  if (name == "compare") {
+    a.options.command = Command::kCompare;
+    if (!a.difference_png.empty()) a.options.difference_png = a.difference_png;
+    if (!a.json.empty()) a.options.json = a.json;
+    return a.options;
+  }
   if (name == "scaling") {
     a.options.command = Command::kScaling;
     check_scaling(a, command);

@@ -32,6 +32,7 @@ struct Arguments {
   std::string size;
   std::string json;
   std::string plot;
+  std::string difference_png;
   std::string directory;
   std::string over;
   std::string scene = "cloth";

@@ -43,6 +43,8 @@ void run(const Options& options) {
       return run_charts(options);
     case Command::kRender:
       return run_render(options);
+    case Command::kCompare:
+      return run_compare(options);
   }
 }
 

@@ -20,6 +20,8 @@ void run_charts(const Options& options);
 /// Writes an OpenEXR file for each scene and structure. Throws Interrupted after the part that was finished
 /// at SIGINT has been written.
 void run_render(const Options& options);
+/// Prints how far a picture is from a reference; writes the difference picture and the record, if asked for.
+void run_compare(const Options& options);
 
 /// The whole program: runs the command of a command line, prints one line on stderr for what cannot be done.
 /// Returns the exit code: 0 done; 2 the user asked for what cannot be done; 1 it went wrong,

@@ -169,6 +169,15 @@ void add_render(CLI::App& app, Arguments& a) {
   add_render_options(render, a);
 }
 
+void add_compare(CLI::App& app, Arguments& a) {
+  CLI::App& compare = *app.add_subcommand(
+      "compare", "Hold a picture against a reference: RMSE, relative MSE, FLIP, the worst pixels");
+  compare.add_option("picture", a.options.picture, "OpenEXR file with R, G and B")->required();
+  compare.add_option("reference", a.options.reference, "OpenEXR file of the same size")->required();
+  compare.add_option("--png", a.difference_png, "File for a picture of the differences (FLIP), with its scale");
+  compare.add_option("--json", a.json, "File for the record");
+}
+
 }  // namespace
 
 std::optional<Options> parse_options(int argc, const char* const* argv) {
@@ -186,6 +195,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   add_scaling(app, a);
   add_charts(app, a);
   add_render(app, a);
+  add_compare(app, a);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

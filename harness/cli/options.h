@@ -22,7 +22,7 @@ inline constexpr std::size_t kDefaultHardRays = 20'000;
 inline constexpr std::size_t kDefaultParetoRays = 100'000;
 inline constexpr std::size_t kDefaultScalingRays = 100'000;
 
-enum class Command { kList, kBench, kError, kHard, kPareto, kRender, kScaling, kCharts };
+enum class Command { kList, kBench, kError, kHard, kPareto, kRender, kScaling, kCharts, kCompare };
 
 /// What a scaling run varies.
 enum class Over { kSteps, kTriangles, kThreads };
@@ -48,7 +48,10 @@ struct Options {
   Over over = Over::kSteps;
   std::vector<std::size_t> values;        ///< of what a scaling run varies, ascending
   std::vector<std::string> record_files;  ///< that charts draws
-  std::string chart_format = "svg";       ///< or "png"
+  std::filesystem::path picture;          ///< that compare holds against `reference`
+  std::filesystem::path reference;
+  std::optional<std::filesystem::path> difference_png;
+  std::string chart_format = "svg";          ///< or "png"
   std::filesystem::path directory;
   RenderSettings render;              ///< but seed and threads, which stand above
   std::filesystem::path output;       ///< of render: a file, or a folder

@@ -15,6 +15,7 @@
 #include "harness/files/output_file.h"
 #include "harness/images/exr_file.h"
 #include "harness/images/png_file.h"
+#include "harness/images/tone_map.h"
 #include "harness/path_tracer/lights.h"
 #include "harness/report/machine.h"
 #include "harness/structures/memory_estimate.h"

@@ -54,17 +54,6 @@ class Tally {
   std::mutex mutex_;
 };
 
-/// Linear to an sRGB byte.
-std::uint8_t encode_channel(float linear) {
-  constexpr float kShoulder = 0.6f;
-  float value = std::max(linear, 0.0f);
-  if (value > kShoulder) {
-    value = 1.0f - (1.0f - kShoulder) * std::exp(-(value - kShoulder) / (1.0f - kShoulder) * 0.6f);
-  }
-  const float srgb = value <= 0.0031308f ? 12.92f * value : 1.055f * std::pow(value, 1.0f / 2.4f) - 0.055f;
-  return static_cast<std::uint8_t>(std::lround(255.0f * std::clamp(srgb, 0.0f, 1.0f)));
-}
-
 }  // namespace
 
 Rendering render(const Scene& scene, const StructureUnderTest& structure, const RenderSettings& settings,
@@ -104,17 +93,6 @@ Rendering render(const Scene& scene, const StructureUnderTest& structure, const 
 
 std::size_t rendering_bytes(const RenderSettings& settings) {
   return settings.width * settings.height * layer_bytes_per_pixel();
-}
-
-Image tone_mapped(const LayeredImage& image) {
-  Image result{image.width, image.height, std::vector<std::uint8_t>(image.width * image.height * 3)};
-  for (std::size_t c = 0; c < 3; ++c) {
-    constexpr std::array kNames{"R", "G", "B"};
-    const std::vector<float>* values = image.find(kNames[c]);
-    if (values == nullptr) throw std::invalid_argument("The image has no channels R, G and B.");
-    for (std::size_t i = 0; i < values->size(); ++i) result.rgb[3 * i + c] = encode_channel((*values)[i]);
-  }
-  return result;
 }
 
 }  // namespace stbvh::harness

@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <functional>
 
-#include "harness/images/image.h"
 #include "harness/images/layered_image.h"
 #include "harness/path_tracer/render_settings.h"
 #include "harness/structures/structure_under_test.h"
@@ -36,8 +35,5 @@ Rendering render(const Scene& scene, const StructureUnderTest& structure, const 
 
 /// The most bytes that the image of a rendering takes.
 std::size_t rendering_bytes(const RenderSettings& settings);
-
-/// An image with the channels R, G and B as people look at it: sRGB, highlights rolled off instead of cut.
-Image tone_mapped(const LayeredImage& image);
 
 }  // namespace stbvh::harness

@@ -143,6 +143,25 @@ Json to_record(const ScalingResult& r) {
   return record;
 }
 
+Json to_record(const CompareResult& r) {
+  Json worst = Json::array();
+  for (const PixelDifference& d : r.found.worst) {
+    worst.push_back({{"x", d.x}, {"y", d.y}, {"picture", d.picture}, {"reference", d.reference}});
+  }
+  return {{"kind", "compare"},
+          {"picture", r.picture},
+          {"reference", r.reference},
+          {"width", r.found.width},
+          {"height", r.found.height},
+          {"not_finite", r.found.not_finite},
+          {"differing", r.found.differing},
+          {"rmse", r.found.rmse},
+          {"relative_mse", r.found.relative_mse},
+          {"flip_mean", r.found.flip_mean},
+          {"flip_max", r.found.flip_max},
+          {"worst", std::move(worst)}};
+}
+
 }  // namespace
 
 std::string to_json(const Report& report, const Machine& machine, const std::string& commit) {
@@ -154,6 +173,7 @@ std::string to_json(const Report& report, const Machine& machine, const std::str
   for (const ParetoResult& r : report.paretos) records.push_back(to_record(r));
   for (const SummaryResult& r : report.summaries) records.push_back(to_record(r));
   for (const ScalingResult& r : report.scalings) records.push_back(to_record(r));
+  for (const CompareResult& r : report.compares) records.push_back(to_record(r));
   const Json root = {{"machine",
                       {{"cpu", machine.cpu},
                        {"cores", machine.cores},

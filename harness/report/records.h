@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "harness/images/compare.h"
+
 namespace stbvh::harness {
 
 /// Median, least and largest of some repeats.
@@ -135,6 +137,13 @@ struct SummaryResult {
   Spread worst{};  ///< its ratio in each repeat
 };
 
+/// A picture against a reference (harness/images/compare.h).
+struct CompareResult {
+  std::string picture;
+  std::string reference;
+  Comparison found;  ///< the map goes into no record
+};
+
 struct Report {
   std::vector<BuildResult> builds;
   std::vector<SpeedResult> speeds;
@@ -143,6 +152,7 @@ struct Report {
   std::vector<ParetoResult> paretos;
   std::vector<SummaryResult> summaries;
   std::vector<ScalingResult> scalings;
+  std::vector<CompareResult> compares;
 };
 
 }  // namespace stbvh::harness

@@ -56,7 +56,8 @@ INSTANTIATE_TEST_SUITE_P(
         "scaling --over triangles --values 10000000 --scene barbarian-rotate",
         "scaling --over threads --threads 1", "scaling --over threads --values 100000",
         "scaling --over steps --json /no/such/directory/a.json", "charts", "charts a.json", "charts -o /tmp",
-        "charts a.json -o /tmp --format pdf", "charts /no/such.json -o /tmp"));
+        "charts a.json -o /tmp --format pdf", "charts /no/such.json -o /tmp", "compare", "compare a.exr",
+        "compare /no/a.exr /no/b.exr"));
 
 TEST(Program, SuggestsTheClosestName) {
   EXPECT_NE(stbvh_ab("bench --scenes wheals").out.find("did you mean \"wheels\""), std::string::npos);
