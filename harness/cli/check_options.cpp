@@ -10,6 +10,7 @@
 #include "harness/cli/closest_name.h"
 #include "harness/cli/pinned_threads.h"
 #include "harness/cli/render_options.h"
+#include "harness/cli/report_options.h"
 #include "harness/cli/usage_error.h"
 #include "harness/rays/ray_generator.h"
 #include "harness/scenes/procedural/procedural.h"
@@ -275,6 +276,24 @@ Options checked_options(Arguments a, const CLI::App& command) {
   if (name == "pareto") {
     a.options.command = Command::kPareto;
     check_pareto(a, command);
+    return a.options;
+  }
+  if (name == "report") {
+    a.options.command = Command::kReport;
+    check_report_options(a);
+    if (!a.options.structures.empty()) check_structures(a.options);
+    check_threads(a.options);
+    return a.options;
+  }
+  if (name == "truth") {
+    a.options.command = Command::kTruth;
+    check_truth_options(a, command);
+    check_structures(a.options);
+    if (a.options.structures.size() != 1) throw UsageError("--structures: one structure.");
+    check_threads(a.options);
+    if (!a.json.empty()) a.options.json = a.json;
+    a.options.render.seed = a.options.seed;
+    a.options.render.threads = a.options.threads;
     return a.options;
   }
   if (name == "render") {

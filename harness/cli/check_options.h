@@ -33,6 +33,7 @@ struct Arguments {
   std::string json;
   std::string plot;
   std::string difference_png;
+  std::string from;
   std::string directory;
   std::string over;
   std::string scene = "cloth";

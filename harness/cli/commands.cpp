@@ -11,8 +11,10 @@
 #include "harness/cli/script.h"
 #include "harness/cli/usage_error.h"
 #include "harness/files/output_file.h"
+#include "harness/images/compare.h"
 #include "harness/images/exr_file.h"
 #include "harness/rays/ray_generator.h"
+#include "harness/report/read_records.h"
 #include "harness/scenes/procedural/procedural.h"
 #include "harness/structures/structure_under_test.h"
 #include "tests/hard_cases/hard_case.h"
@@ -45,6 +47,10 @@ void run(const Options& options) {
       return run_render(options);
     case Command::kCompare:
       return run_compare(options);
+    case Command::kTruth:
+      return run_truth(options);
+    case Command::kReport:
+      return run_report(options);
   }
 }
 
@@ -78,6 +84,10 @@ int run_program(int argc, const char* const* argv) {
   } catch (const OutputFileError& e) {
     return fail(2, e.what());
   } catch (const ImageFileError& e) {
+    return fail(2, e.what());
+  } catch (const ComparisonError& e) {
+    return fail(2, e.what());
+  } catch (const RecordFileError& e) {
     return fail(2, e.what());
   } catch (const Interrupted& e) {
     return fail(130, e.what());

@@ -22,6 +22,11 @@ void run_charts(const Options& options);
 void run_render(const Options& options);
 /// Prints how far a picture is from a reference; writes the difference picture and the record, if asked for.
 void run_compare(const Options& options);
+/// Prints how far renderings of motion are from the mean of renderings at frozen times; writes both pictures.
+void run_truth(const Options& options);
+/// Runs the other commands for what is not there yet, then writes the page. Throws WrongAnswers after that
+/// where a structure of ours was wrong, ScriptFailure where a command failed, which has said why.
+void run_report(const Options& options);
 
 /// The whole program: runs the command of a command line, prints one line on stderr for what cannot be done.
 /// Returns the exit code: 0 done; 2 the user asked for what cannot be done; 1 it went wrong,

@@ -5,7 +5,6 @@
 
 #include "harness/cli/commands.h"
 #include "harness/cli/session.h"
-#include "harness/cli/usage_error.h"
 #include "harness/files/output_file.h"
 #include "harness/images/exr_file.h"
 #include "harness/images/flip.h"
@@ -33,22 +32,12 @@ std::string describe(const Comparison& c) {
   return text;
 }
 
-Comparison compared(const Options& options) {
-  try {
-    return compare(read_exr(options.picture), read_exr(options.reference));
-  } catch (const ImageFileError& e) {
-    throw UsageError(e.what());
-  } catch (const ComparisonError& e) {
-    throw UsageError(e.what());
-  }
-}
-
 }  // namespace
 
 void run_compare(const Options& options) {
   if (options.difference_png) check_writable(*options.difference_png);
   if (options.json) check_writable(*options.json);
-  const Comparison found = compared(options);
+  const Comparison found = compare(read_exr(options.picture), read_exr(options.reference));
   fmt::print("{}", describe(found));
   if (options.difference_png) {
     write_png(heat_map(found.flip_map, found.width, found.height, 1), *options.difference_png);

@@ -22,7 +22,19 @@ inline constexpr std::size_t kDefaultHardRays = 20'000;
 inline constexpr std::size_t kDefaultParetoRays = 100'000;
 inline constexpr std::size_t kDefaultScalingRays = 100'000;
 
-enum class Command { kList, kBench, kError, kHard, kPareto, kRender, kScaling, kCharts, kCompare };
+enum class Command {
+  kList,
+  kBench,
+  kError,
+  kHard,
+  kPareto,
+  kRender,
+  kScaling,
+  kCharts,
+  kCompare,
+  kReport,
+  kTruth
+};
 
 /// What a scaling run varies.
 enum class Over { kSteps, kTriangles, kThreads };
@@ -51,12 +63,16 @@ struct Options {
   std::filesystem::path picture;          ///< that compare holds against `reference`
   std::filesystem::path reference;
   std::optional<std::filesystem::path> difference_png;
-  std::string chart_format = "svg";          ///< or "png"
+  std::string chart_format = "svg";  ///< or "png"
   std::filesystem::path directory;
   RenderSettings render;              ///< but seed and threads, which stand above
   std::filesystem::path output;       ///< of render: a file, or a folder
   std::filesystem::path environment;  ///< OpenEXR file; empty: what the scene brings
   bool png = false;
+  std::size_t frozen_times = 1024;            ///< of truth
+  std::optional<std::filesystem::path> from;  ///< what report need not measure
+  bool quick = false;
+  std::string command_line;  ///< that these options were read from
 };
 
 /// Options from a command line; empty if help or version was asked for and printed. Throws UsageError.

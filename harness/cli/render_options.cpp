@@ -9,17 +9,6 @@
 namespace stbvh::harness {
 namespace {
 
-void check_size(Arguments& a) {
-  const auto [width, height] = parse_pair(a.size, 'x', "--size");
-  const auto is_side = [](double s) { return s >= 1 && s <= double{kMaxPictureSide} && s == std::floor(s); };
-  if (!is_side(width) || !is_side(height)) {
-    throw UsageError(
-        fmt::format("--size must be WxH of 1 to {} pixels, not \"{}\".", kMaxPictureSide, a.size));
-  }
-  a.options.render.width = static_cast<std::size_t>(width);
-  a.options.render.height = static_cast<std::size_t>(height);
-}
-
 void check_shutter_options(Arguments& a) {
   Shutter& shutter = a.options.render.shutter;
   if (!(shutter.open >= 0 && shutter.open <= shutter.close && shutter.close <= 1)) {
@@ -32,6 +21,24 @@ void check_shutter_options(Arguments& a) {
 }
 
 }  // namespace
+
+void check_size(Arguments& a) {
+  const auto [width, height] = parse_pair(a.size, 'x', "--size");
+  const auto is_side = [](double s) { return s >= 1 && s <= double{kMaxPictureSide} && s == std::floor(s); };
+  if (!is_side(width) || !is_side(height)) {
+    throw UsageError(
+        fmt::format("--size must be WxH of 1 to {} pixels, not \"{}\".", kMaxPictureSide, a.size));
+  }
+  a.options.render.width = static_cast<std::size_t>(width);
+  a.options.render.height = static_cast<std::size_t>(height);
+}
+
+void check_samples(const Arguments& a) {
+  const std::size_t samples = a.options.render.samples_per_pixel;
+  if (samples < 1 || samples > kMaxSamplesPerPixel) {
+    throw UsageError(fmt::format("--spp must be 1 to {}, not {}.", kMaxSamplesPerPixel, samples));
+  }
+}
 
 void add_render_options(CLI::App& command, Arguments& a) {
   RenderSettings& r = a.options.render;
@@ -68,9 +75,7 @@ void add_render_options(CLI::App& command, Arguments& a) {
 void check_render_options(Arguments& a, const CLI::App& command) {
   RenderSettings& r = a.options.render;
   if (command.count("--size") > 0) check_size(a);
-  if (r.samples_per_pixel < 1 || r.samples_per_pixel > kMaxSamplesPerPixel) {
-    throw UsageError(fmt::format("--spp must be 1 to {}, not {}.", kMaxSamplesPerPixel, r.samples_per_pixel));
-  }
+  check_samples(a);
   check_shutter_options(a);
   if (!(r.lens.radius >= 0) || !std::isfinite(r.lens.radius)) {
     throw UsageError(fmt::format("--lens-radius must be at least 0, not {}.", r.lens.radius));

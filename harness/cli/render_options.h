@@ -9,6 +9,10 @@ namespace stbvh::harness {
 
 void add_render_options(CLI::App& command, Arguments& arguments);
 
+/// Of --size and --spp. Throw UsageError.
+void check_size(Arguments& arguments);
+void check_samples(const Arguments& arguments);
+
 /// Throws UsageError.
 void check_render_options(Arguments& arguments, const CLI::App& command);
 

@@ -114,7 +114,7 @@ Image heat_map(std::span<const float> values, std::size_t width, std::size_t hei
   if (width == 0 || height == 0 || values.size() != width * height || !(largest > 0)) {
     throw std::invalid_argument("A heat map needs a value for each pixel and a scale above zero.");
   }
-  const std::size_t size = std::max<std::size_t>(1, width / 300);
+  const std::size_t size = std::max<std::size_t>(1, width / 160);
   Canvas canvas(width, height + (8 + kGlyphHeight + 1) * size);
   for (std::size_t i = 0; i < values.size(); ++i) {
     const auto value = static_cast<double>(values[i]);

@@ -57,7 +57,10 @@ INSTANTIATE_TEST_SUITE_P(
         "scaling --over threads --threads 1", "scaling --over threads --values 100000",
         "scaling --over steps --json /no/such/directory/a.json", "charts", "charts a.json", "charts -o /tmp",
         "charts a.json -o /tmp --format pdf", "charts /no/such.json -o /tmp", "compare", "compare a.exr",
-        "compare /no/a.exr /no/b.exr"));
+        "compare /no/a.exr /no/b.exr", "truth", "truth -o /proc/none", "truth --scenes all -o /tmp",
+        "truth --structures all -o /tmp", "truth --frozen-times 0 -o /tmp", "truth --spp 0 -o /tmp", "report",
+        "report -o /proc/none", "report -o ''", "report --structures stbhv -o /tmp/none",
+        "report --scenes no-such -o /tmp/none"));
 
 TEST(Program, SuggestsTheClosestName) {
   EXPECT_NE(stbvh_ab("bench --scenes wheals").out.find("did you mean \"wheels\""), std::string::npos);

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/path_tracer/frozen_times.h"
 #include "harness/path_tracer/render.h"
 #include "harness/rays/moving_triangle.h"
 #include "harness/scenes/procedural/mesh_tools.h"
@@ -91,22 +92,6 @@ inline Rendering rendered(const Scene& scene, const RenderSettings& settings,
 inline RenderSettings small(std::size_t side, std::size_t samples) {
   return {
       .width = side, .height = side, .samples_per_pixel = samples, .lens = {}, .shutter = {}, .threads = 2};
-}
-
-/// `scene` as it is at `time`, at rest.
-inline Scene frozen(const Scene& scene, float time) {
-  Scene still = scene;
-  still.meshes.clear();
-  for (const Mesh& mesh : scene.meshes) {
-    if (!is_visible_at(mesh, time)) continue;
-    const MotionSample sample = motion_sample(mesh, time);
-    Mesh copy = mesh;
-    copy.steps.assign(1, VertexBuffer(mesh.steps.front().size()));
-    for (std::uint32_t i = 0; i < mesh.steps.front().size(); ++i)
-      copy.steps[0][i] = to_float(position_at(mesh, i, sample));
-    still.meshes.push_back(std::move(copy));
-  }
-  return still;
 }
 
 /// Mean over all pixels, with its standard error as the samples say.
