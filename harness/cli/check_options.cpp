@@ -9,8 +9,9 @@
 
 #include "harness/cli/closest_name.h"
 #include "harness/cli/pinned_threads.h"
+#include "harness/cli/render_options.h"
+#include "harness/cli/report_options.h"
 #include "harness/cli/usage_error.h"
-#include "harness/picture/render_picture.h"
 #include "harness/rays/ray_generator.h"
 #include "harness/scenes/procedural/procedural.h"
 #include "harness/structures/structure_under_test.h"
@@ -30,17 +31,6 @@ std::optional<double> parse_number(std::string_view text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;
   return value;
-}
-
-std::pair<double, double> parse_pair(std::string_view text, char separator, std::string_view option) {
-  const std::size_t at = std::min(text.find(separator), text.size());
-  const auto first = parse_number(text.substr(0, at));
-  const auto second = parse_number(text.substr(std::min(at + 1, text.size())));
-  if (!first || !second) {
-    throw UsageError(
-        fmt::format("{} takes two numbers with \"{}\" between, not \"{}\".", option, separator, text));
-  }
-  return {*first, *second};
 }
 
 /// The names, each once, with "paper" and "all" replaced by the scenes they stand for.
@@ -234,25 +224,25 @@ void check_scaling(Arguments& a, const CLI::App& command) {
   check_trace(a);
 }
 
-void check_picture(Arguments& a, const CLI::App& command) {
-  Options& o = a.options;
-  o.directory = a.directory;
-  if (command.count("--size") > 0) {
-    const auto [width, height] = parse_pair(a.size, 'x', "--size");
-    const auto is_side = [](double s) {
-      return s >= 1 && s <= double{kMaxPictureSide} && s == std::floor(s);
-    };
-    if (!is_side(width) || !is_side(height)) {
-      throw UsageError(
-          fmt::format("--size must be WxH of 1 to {} pixels, not \"{}\".", kMaxPictureSide, a.size));
-    }
-    o.picture_width = static_cast<std::size_t>(width);
-    o.picture_height = static_cast<std::size_t>(height);
-  }
-  check_range("--spp", o.samples_per_pixel, 65536);
+void check_render(Arguments& a, const CLI::App& command) {
+  if (a.options.structures.empty()) a.options.structures = {"stbvh"};
+  check_structures(a.options);
+  check_threads(a.options);
+  check_render_options(a, command);
 }
 
 }  // namespace
+
+std::pair<double, double> parse_pair(std::string_view text, char separator, std::string_view option) {
+  const std::size_t at = std::min(text.find(separator), text.size());
+  const auto first = parse_number(text.substr(0, at));
+  const auto second = parse_number(text.substr(std::min(at + 1, text.size())));
+  if (!first || !second) {
+    throw UsageError(
+        fmt::format("{} takes two numbers with \"{}\" between, not \"{}\".", option, separator, text));
+  }
+  return {*first, *second};
+}
 
 std::string_view over_name(Over over) {
   return kOverNames[static_cast<std::size_t>(over)];
@@ -271,6 +261,12 @@ Options checked_options(Arguments a, const CLI::App& command) {
     a.options.directory = a.directory;
     return a.options;
   }
+  if (name == "compare") {
+    a.options.command = Command::kCompare;
+    if (!a.difference_png.empty()) a.options.difference_png = a.difference_png;
+    if (!a.json.empty()) a.options.json = a.json;
+    return a.options;
+  }
   if (name == "scaling") {
     a.options.command = Command::kScaling;
     check_scaling(a, command);
@@ -282,9 +278,27 @@ Options checked_options(Arguments a, const CLI::App& command) {
     check_pareto(a, command);
     return a.options;
   }
-  if (name == "picture") {
-    a.options.command = Command::kPicture;
-    check_picture(a, command);
+  if (name == "report") {
+    a.options.command = Command::kReport;
+    check_report_options(a);
+    if (!a.options.structures.empty()) check_structures(a.options);
+    check_threads(a.options);
+    return a.options;
+  }
+  if (name == "truth") {
+    a.options.command = Command::kTruth;
+    check_truth_options(a, command);
+    check_structures(a.options);
+    if (a.options.structures.size() != 1) throw UsageError("--structures: one structure.");
+    check_threads(a.options);
+    if (!a.json.empty()) a.options.json = a.json;
+    a.options.render.seed = a.options.seed;
+    a.options.render.threads = a.options.threads;
+    return a.options;
+  }
+  if (name == "render") {
+    a.options.command = Command::kRender;
+    check_render(a, command);
     return a.options;
   }
   a.options.command = name == "bench" ? Command::kBench : Command::kError;

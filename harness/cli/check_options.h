@@ -5,6 +5,7 @@
 #include <array>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "harness/cli/options.h"
@@ -31,10 +32,19 @@ struct Arguments {
   std::string size;
   std::string json;
   std::string plot;
+  std::string difference_png;
+  std::string from;
   std::string directory;
   std::string over;
   std::string scene = "cloth";
+  std::string output;
+  std::string environment;
+  std::string shutter_curve = "box";
+  double focus_distance = 0;
 };
+
+/// The two numbers on either side of `separator`. Throws UsageError, which names `option`.
+std::pair<double, double> parse_pair(std::string_view text, char separator, std::string_view option);
 
 /// The options of `command`, the subcommand that `arguments` were read for. Throws UsageError.
 Options checked_options(Arguments arguments, const CLI::App& command);

@@ -6,14 +6,15 @@
 #include <exception>
 #include <new>
 
-#include "harness/cli/progress.h"
+#include "harness/cli/interruption.h"
 #include "harness/cli/scene_source.h"
 #include "harness/cli/script.h"
 #include "harness/cli/usage_error.h"
 #include "harness/files/output_file.h"
-#include "harness/images/png_file.h"
-#include "harness/picture/render_picture.h"
+#include "harness/images/compare.h"
+#include "harness/images/exr_file.h"
 #include "harness/rays/ray_generator.h"
+#include "harness/report/read_records.h"
 #include "harness/scenes/procedural/procedural.h"
 #include "harness/structures/structure_under_test.h"
 #include "tests/hard_cases/hard_case.h"
@@ -42,8 +43,14 @@ void run(const Options& options) {
       return run_scaling(options);
     case Command::kCharts:
       return run_charts(options);
-    case Command::kPicture:
-      return run_picture(options);
+    case Command::kRender:
+      return run_render(options);
+    case Command::kCompare:
+      return run_compare(options);
+    case Command::kTruth:
+      return run_truth(options);
+    case Command::kReport:
+      return run_report(options);
   }
 }
 
@@ -65,33 +72,6 @@ void run_list() {
     fmt::print("  {:<25} {}\n", family.name, family.description);
 }
 
-void run_picture(const Options& options) {
-  const std::vector<SceneSource> sources = find_scenes(options);
-  std::error_code error;
-  std::filesystem::create_directories(options.directory, error);
-  if (error) {
-    throw UsageError(
-        fmt::format("Cannot make the directory \"{}\": {}.", options.directory.string(), error.message()));
-  }
-  const auto file_of = [&](const SceneSource& source) { return options.directory / (source.name + ".png"); };
-  for (const SceneSource& source : sources) check_writable(file_of(source));
-  Progress progress;
-  for (const SceneSource& source : sources) {
-    progress.stage(fmt::format("{}: making the scene", source.name));
-    const Scene scene = source.load();
-    const PictureSettings settings{.width = options.picture_width,
-                                   .height = options.picture_height,
-                                   .samples_per_pixel = options.samples_per_pixel,
-                                   .seed = options.seed};
-    const Image image = render_picture(scene, settings, [&](double fraction) {
-      progress.stage(fmt::format("{}: rendering, {:.0f} %", source.name, 100 * fraction));
-    });
-    write_png(image, file_of(source));
-    progress.clear();
-    fmt::print("{}\n", file_of(source).string());
-  }
-}
-
 int run_program(int argc, const char* const* argv) {
   try {
     const std::optional<Options> options = parse_options(argc, argv);
@@ -103,6 +83,14 @@ int run_program(int argc, const char* const* argv) {
     return fail(2, e.what());
   } catch (const OutputFileError& e) {
     return fail(2, e.what());
+  } catch (const ImageFileError& e) {
+    return fail(2, e.what());
+  } catch (const ComparisonError& e) {
+    return fail(2, e.what());
+  } catch (const RecordFileError& e) {
+    return fail(2, e.what());
+  } catch (const Interrupted& e) {
+    return fail(130, e.what());
   } catch (const ScriptFailure& e) {
     return e.exit_code;
   } catch (const std::bad_alloc&) {

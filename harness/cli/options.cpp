@@ -8,6 +8,8 @@
 
 #include "harness/cli/check_options.h"
 #include "harness/cli/pinned_threads.h"
+#include "harness/cli/render_options.h"
+#include "harness/cli/report_options.h"
 #include "harness/cli/usage_error.h"
 #include "harness/report/machine.h"
 
@@ -161,12 +163,52 @@ void add_charts(CLI::App& app, Arguments& a) {
       ->capture_default_str();
 }
 
-void add_picture(CLI::App& app, Arguments& a) {
-  CLI::App& picture = *app.add_subcommand("picture", "Write a shaded, motion-blurred PNG of each scene");
-  add_scene_options(picture, a);
-  picture.add_option("-o,--output", a.directory, "Directory for the pictures")->required();
-  picture.add_option("--size", a.size, "WxH in pixels")->default_str("960x540");
-  picture.add_option("--spp", a.options.samples_per_pixel, "Samples for each pixel")->capture_default_str();
+void add_render(CLI::App& app, Arguments& a) {
+  CLI::App& render = *app.add_subcommand(
+      "render", "Path-traced pictures of each scene through each structure, as OpenEXR files of many layers");
+  add_scene_options(render, a);
+  add_render_options(render, a);
+}
+
+void add_report(CLI::App& app, Arguments& a) {
+  CLI::App& report = *app.add_subcommand(
+      "report",
+      "One page of it all, which needs nothing else: figures, charts, pictures, how to make them again");
+  add_scene_options(report, a);
+  add_report_options(report, a);
+}
+
+void add_truth(CLI::App& app, Arguments& a) {
+  CLI::App& truth = *app.add_subcommand(
+      "truth",
+      "Motion blur against the mean of renderings at frozen times; the scene is wheels if none is named");
+  add_scene_options(truth, a);
+  add_truth_options(truth, a);
+}
+
+/// The words of a command line as a shell takes them.
+std::string joined(int argc, const char* const* argv) {
+  std::string text = "stbvh-ab";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool is_plain = !word.empty() && word.find_first_not_of(
+                                               "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVW"
+                                               "XYZ0123456789_-+=.,:/@%") == std::string::npos;
+    std::string quoted = "'";
+    for (char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    text += " " + (is_plain ? word : quoted + "'");
+  }
+  return text;
+}
+
+void add_compare(CLI::App& app, Arguments& a) {
+  CLI::App& compare = *app.add_subcommand(
+      "compare", "Hold a picture against a reference: RMSE, relative MSE, FLIP, the worst pixels");
+  compare.add_option("picture", a.options.picture, "OpenEXR file with R, G and B")->required();
+  compare.add_option("reference", a.options.reference, "OpenEXR file of the same size")->required();
+  compare.add_option("--png", a.difference_png,
+                     "File for a picture of the differences (FLIP), with its scale");
+  compare.add_option("--json", a.json, "File for the record");
 }
 
 }  // namespace
@@ -185,7 +227,10 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   add_pareto(app, a);
   add_scaling(app, a);
   add_charts(app, a);
-  add_picture(app, a);
+  add_render(app, a);
+  add_compare(app, a);
+  add_truth(app, a);
+  add_report(app, a);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -195,6 +240,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
     }
     throw UsageError(e.what());
   }
+  a.options.command_line = joined(argc, argv);
   return checked_options(std::move(a), *app.get_subcommands().front());
 }
 

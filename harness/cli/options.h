@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "harness/path_tracer/render_settings.h"
 #include "harness/rays/ray_set.h"
 #include "harness/scenes/gltf/gltf.h"
 
@@ -21,7 +22,19 @@ inline constexpr std::size_t kDefaultHardRays = 20'000;
 inline constexpr std::size_t kDefaultParetoRays = 100'000;
 inline constexpr std::size_t kDefaultScalingRays = 100'000;
 
-enum class Command { kList, kBench, kError, kHard, kPareto, kPicture, kScaling, kCharts };
+enum class Command {
+  kList,
+  kBench,
+  kError,
+  kHard,
+  kPareto,
+  kRender,
+  kScaling,
+  kCharts,
+  kCompare,
+  kReport,
+  kTruth
+};
 
 /// What a scaling run varies.
 enum class Over { kSteps, kTriangles, kThreads };
@@ -47,11 +60,19 @@ struct Options {
   Over over = Over::kSteps;
   std::vector<std::size_t> values;        ///< of what a scaling run varies, ascending
   std::vector<std::string> record_files;  ///< that charts draws
-  std::string chart_format = "svg";       ///< or "png"
+  std::filesystem::path picture;          ///< that compare holds against `reference`
+  std::filesystem::path reference;
+  std::optional<std::filesystem::path> difference_png;
+  std::string chart_format = "svg";  ///< or "png"
   std::filesystem::path directory;
-  std::size_t picture_width = 960;
-  std::size_t picture_height = 540;
-  std::size_t samples_per_pixel = 16;
+  RenderSettings render;              ///< but seed and threads, which stand above
+  std::filesystem::path output;       ///< of render: a file, or a folder
+  std::filesystem::path environment;  ///< OpenEXR file; empty: what the scene brings
+  bool png = false;
+  std::size_t frozen_times = 1024;            ///< of truth
+  std::optional<std::filesystem::path> from;  ///< what report need not measure
+  bool quick = false;
+  std::string command_line;  ///< that these options were read from
 };
 
 /// Options from a command line; empty if help or version was asked for and printed. Throws UsageError.

@@ -1,8 +1,10 @@
-/// Speed against error: one point for each structure.
+#include "harness/cli/pareto.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <iterator>
 
 #include "harness/cli/commands.h"
 #include "harness/cli/family_run.h"
@@ -31,32 +33,36 @@ constexpr ParetoFamily kFamilies[] = {
     {"slivers-1e5", Measure::kThin},   {"slivers-1e6", Measure::kThin},    {"offset-1e6", Measure::kDistance},
 };
 
-void add_family(const FamilyResults& family, Measure measure, std::vector<ParetoResult>& points) {
-  for (const HardResult& r : family.results) {
-    const auto point = std::find_if(points.begin(), points.end(),
-                                    [&](const ParetoResult& p) { return p.structure == r.structure; });
-    switch (measure) {
-      case Measure::kLeaks:
-        point->aimed += r.traced;
-        point->leaks += r.leaks.value_or(0);
-        break;
-      case Measure::kThin:
-        point->thin += r.traced;
-        point->differing += r.missed + r.false_hits + r.wrong_primitive + r.within_rounding;
-        break;
-      case Measure::kDistance:
-        point->t_error_rel_p99 = r.t_error_rel_p99;
-        break;
-    }
+void add_hard(const HardResult& r, ParetoResult& point) {
+  const auto family = std::find_if(std::begin(kFamilies), std::end(kFamilies),
+                                   [&](const ParetoFamily& f) { return f.name == r.family; });
+  if (family == std::end(kFamilies)) return;
+  switch (family->measure) {
+    case Measure::kLeaks:
+      point.aimed += r.traced;
+      point.leaks += r.leaks.value_or(0);
+      break;
+    case Measure::kThin:
+      point.thin += r.traced;
+      point.differing += r.missed + r.false_hits + r.wrong_primitive + r.within_rounding;
+      break;
+    case Measure::kDistance:
+      point.t_error_rel_p99 = r.t_error_rel_p99;
+      break;
   }
 }
 
-/// Geometric mean, least and largest of the ratios that the report has of a structure.
-Spread speed_ratio(const Report& report, const std::string& structure) {
+/// Geometric mean, least and largest of a structure's ratios over incoherent rays with the most threads.
+Spread speed_ratio(std::span<const SpeedResult> speeds, const std::string& structure) {
+  unsigned threads = 0;
+  for (const SpeedResult& r : speeds) threads = std::max(threads, r.threads);
   std::vector<double> ratios;
-  for (const SpeedResult& r : report.speeds) {
+  for (const SpeedResult& r : speeds) {
     const std::optional<Spread> ratio = r.ratio_to_embree();
-    if (r.structure == structure && ratio) ratios.push_back(ratio->median);
+    const bool is_meant =
+        r.structure == structure && r.threads == threads &&
+        (r.rays == ray_kind_name(RayKind::kBounce) || r.rays == ray_kind_name(RayKind::kUniform));
+    if (is_meant && ratio) ratios.push_back(ratio->median);
   }
   if (ratios.empty()) return {};
   const auto [least, largest] = std::minmax_element(ratios.begin(), ratios.end());
@@ -64,6 +70,26 @@ Spread speed_ratio(const Report& report, const std::string& structure) {
 }
 
 }  // namespace
+
+std::vector<std::string> pareto_families() {
+  std::vector<std::string> names;
+  for (const ParetoFamily& family : kFamilies) names.emplace_back(family.name);
+  return names;
+}
+
+std::vector<ParetoResult> pareto_points(std::span<const std::string> structures,
+                                        std::span<const SpeedResult> speeds,
+                                        std::span<const HardResult> hards) {
+  std::vector<ParetoResult> points;
+  for (const std::string& name : structures) {
+    ParetoResult point{.structure = name, .ratio_to_embree = speed_ratio(speeds, name)};
+    for (const HardResult& r : hards) {
+      if (r.structure == name) add_hard(r, point);
+    }
+    points.push_back(point);
+  }
+  return points;
+}
 
 void run_pareto(const Options& options) {
   if (options.plot) check_writable(*options.plot);
@@ -74,9 +100,6 @@ void run_pareto(const Options& options) {
   speed.rays = {RayKind::kBounce, RayKind::kUniform};
   speed.build_budget_s = 0;
   for_each_scene(speed, progress, [&](const Scene& scene) { bench_scene(scene, speed, progress, report); });
-  for (const std::string& name : options.structures) {
-    report.paretos.push_back({.structure = name, .ratio_to_embree = speed_ratio(report, name)});
-  }
   progress.clear();
   fmt::print("\n{}", hard_heading());
   PinnedThreads threads(options.threads);
@@ -87,8 +110,8 @@ void run_pareto(const Options& options) {
     for (const HardResult& result : family.results) fmt::print("{}", hard_row(result));
     std::fflush(stdout);
     report.hards.insert(report.hards.end(), family.results.begin(), family.results.end());
-    add_family(family, asked.measure, report.paretos);
   }
+  report.paretos = pareto_points(options.structures, report.speeds, report.hards);
   fmt::print("{}\n{}", hard_legend(), pareto_table(report.paretos));
   write_records(options, report);
   if (options.plot) run_script("plot_pareto.py", {options.json->string(), options.plot->string()});

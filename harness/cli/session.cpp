@@ -63,7 +63,8 @@ void for_each_scene(const Options& options, Progress& progress,
 }
 
 void write_records(const Options& options, const Report& report) {
-  if (options.json) write_file(*options.json, to_json(report, this_machine(), built_commit()));
+  if (options.json)
+    write_file(*options.json, to_json(report, this_machine(), built_commit(), options.command_line));
 }
 
 }  // namespace stbvh::harness

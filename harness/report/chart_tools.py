@@ -1,17 +1,10 @@
-"""What the scripts that draw records share: reading the files, names to colours, the footer, saving.
+"""What the scripts that draw records share: names to colours, the footer, saving.
 
 Needs Debian's python3-matplotlib. What goes wrong ends the script with exit code 2 and one line on stderr.
 """
-import json
 import os
-import sys
 
-
-def fail(text):
-    """Ends the script: one line on stderr, exit code 2."""
-    print(f"stbvh-ab: {text}", file=sys.stderr)
-    sys.exit(2)
-
+from record_files import distinct, fail
 
 try:
     import matplotlib
@@ -30,36 +23,6 @@ plt.rcParams.update({"font.size": 8, "axes.titlesize": 9, "axes.grid": True, "gr
 COLOURS = ("#0072b2", "#e69f00", "#d55e00", "#009e73", "#cc79a7", "#56b4e9")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "<", ">", "*", "p", "h")
 LINES = ("-", "--", ":", "-.")
-
-
-def read_records(paths):
-    """The records of all files, in order; each with its file's machine and commit in "origin".
-
-    Ends the script if a file cannot be read, is not what stbvh-ab writes or holds no records.
-    """
-    records = []
-    for path in paths:
-        try:
-            with open(path, encoding="utf-8") as file:
-                report = json.load(file)
-            machine = report["machine"]
-            origin = f'{machine["cpu"]}, {machine["cores"]} cores, Embree {machine["embree"]}, stbvh {report["commit"]}'
-            found = [{**record, "kind": record["kind"], "origin": origin} for record in report["records"]]
-        except OSError as error:
-            fail(f'Cannot read "{path}": {error.strerror}.')
-        except ValueError as error:
-            fail(f'"{path}" is not whole JSON: {error}.')
-        except (KeyError, TypeError):
-            fail(f'"{path}" does not hold records of stbvh-ab.')
-        if not found:
-            fail(f'There are no records in "{path}".')
-        records += found
-    return records
-
-
-def distinct(values):
-    """Each value once, in the order in which they first occur."""
-    return list(dict.fromkeys(values))
 
 
 def family(structure):

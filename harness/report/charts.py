@@ -11,9 +11,11 @@ import argparse
 import math
 import os
 
-from chart_tools import distinct, fail, finish, plt, read_records, save, styles, whiskers
+from chart_tools import finish, plt, save, styles, whiskers
+from record_files import distinct, fail, grouped, read_records
 
 REFERENCE = "embree"
+KINDS = ("build", "speed", "summary", "scaling", "truth")  # of records that are drawn here
 PANELS_ABREAST = 3
 PANEL_WIDTH = 3.6  # inches, beside the names
 NAME_WIDTH = 1.5
@@ -190,17 +192,27 @@ def draw_scaling(records):
     return figure
 
 
-def grouped(records, *keys):
-    """The records in groups that agree in all keys, each under its values."""
-    groups = {}
-    for r in records:
-        groups.setdefault(tuple(r[k] for k in keys), []).append(r)
-    return groups
+def draw_truth(records):
+    """Records of kind "truth": RMSE against the samples, beside the line of pure noise."""
+    shown = sorted(records, key=lambda r: r["samples_per_pixel"])
+    samples = [r["samples_per_pixel"] for r in shown]
+    figure, axes = plt.subplots(figsize=(6.4, 3.4))
+    axes.loglog(samples, [r["rmse"] for r in shown], "o-", color="#d55e00", label=shown[0]["structure"])
+    axes.loglog(samples, [shown[0]["rmse"] * (samples[0] / n) ** 0.5 for n in samples], ":", color="black",
+                linewidth=0.8, label="one over the root of the samples")
+    axes.set_xticks(samples, samples)
+    axes.minorticks_off()
+    axes.set_xlabel("samples per pixel")
+    axes.set_ylabel("RMSE")
+    axes.legend(frameon=False)
+    finish(figure, records, f'{shown[0]["scene"]}: motion against the mean of {shown[0]["frozen_times"]} frozen times',
+           f'reference through {shown[0]["reference_structure"]}, a sample of each pixel for each time')
+    return figure
 
 
 def charts(records):
     """File names, without ending, and what draws them."""
-    kinds = {kind: [r for r in records if r["kind"] == kind] for kind in ("build", "speed", "summary", "scaling")}
+    kinds = {kind: [r for r in records if r["kind"] == kind] for kind in KINDS}
     summaries = [r for r in kinds["summary"] if r["measure"] == "speed"]
     for (reference, threads), group in grouped(summaries, "reference", "threads").items():
         yield f"speed-to-{reference}-{threads}-threads", lambda group=group: draw_summary(group)
@@ -213,10 +225,12 @@ def charts(records):
         yield "build-time", lambda: draw_build_time(kinds["build"])
     for (over, scene), group in grouped(kinds["scaling"], "over", "scene").items():
         yield f"scaling-{over}-{scene}", lambda group=group: draw_scaling(group)
+    if kinds["truth"]:
+        yield "truth", lambda: draw_truth(kinds["truth"])
 
 
 # What a record is about: no two may agree in all of these.
-IDENTITY = ("kind", "scene", "structure", "reference", "measure", "rays", "threads", "over", "value")
+IDENTITY = ("kind", "scene", "structure", "reference", "measure", "rays", "threads", "over", "value", "samples_per_pixel")
 
 
 def check_distinct(records):
@@ -250,7 +264,7 @@ def main():
         os.makedirs(arguments.output, exist_ok=True)
     except OSError as error:
         fail(f'Cannot make the directory "{arguments.output}": {error.strerror}.')
-    records = [r for r in read_records(arguments.records) if r["kind"] in ("build", "speed", "summary", "scaling")]
+    records = [r for r in read_records(arguments.records) if r["kind"] in KINDS]
     check_distinct(records)
     if arguments.structures:
         records = select(records, arguments.structures.split(","))

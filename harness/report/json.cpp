@@ -110,7 +110,8 @@ Json to_record(const ParetoResult& r) {
           {"differing", r.differing},
           {"differing_rate", rate(r.differing, r.thin)},
           {"differing_rate_bound_95", rate_bound_95(r.differing, r.thin)},
-          {"t_error_rel_p99", r.t_error_rel_p99}};
+          {"t_error_rel_p99", r.t_error_rel_p99},
+          {"image_rmse", r.image_rmse ? Json(*r.image_rmse) : Json()}};
 }
 
 Json to_record(const SummaryResult& r) {
@@ -143,9 +144,66 @@ Json to_record(const ScalingResult& r) {
   return record;
 }
 
+Json to_figures(const Comparison& c) {
+  Json worst = Json::array();
+  for (const PixelDifference& d : c.worst) {
+    worst.push_back({{"x", d.x}, {"y", d.y}, {"picture", d.picture}, {"reference", d.reference}});
+  }
+  return {{"width", c.width},         {"height", c.height},     {"not_finite", c.not_finite},
+          {"differing", c.differing}, {"rmse", c.rmse},         {"relative_mse", c.relative_mse},
+          {"flip_mean", c.flip_mean}, {"flip_max", c.flip_max}, {"worst", std::move(worst)}};
+}
+
+Json to_record(const CompareResult& r) {
+  Json record = {{"kind", "compare"}, {"picture", r.picture}, {"reference", r.reference}};
+  record.update(to_figures(r.found));
+  return record;
+}
+
+Json to_figures(const std::optional<HeatMapResult>& r) {
+  if (!r) return {};
+  return {{"picture", r->picture}, {"mean", r->mean}, {"largest", r->largest}};
+}
+
+Json to_record(const RenderResult& r) {
+  Json difference;  // null: this is the reference
+  if (!r.reference.empty()) {
+    difference = {{"reference", r.reference}, {"picture", r.difference_picture}};
+    difference.update(to_figures(r.found));
+  }
+  return {{"kind", "render"},
+          {"scene", r.scene},
+          {"structure", r.structure},
+          {"width", r.width},
+          {"height", r.height},
+          {"samples_per_pixel", r.samples_per_pixel},
+          {"seed", r.seed},
+          {"seconds", r.seconds},
+          {"mrays_per_s", r.mrays_per_s},
+          {"picture", r.picture},
+          {"difference", std::move(difference)},
+          {"nodes", to_figures(r.nodes)},
+          {"triangles", to_figures(r.triangles)}};
+}
+
+Json to_record(const TruthResult& r) {
+  Json record = {{"kind", "truth"},
+                 {"scene", r.scene},
+                 {"structure", r.structure},
+                 {"reference_structure", r.reference_structure},
+                 {"frozen_times", r.frozen_times},
+                 {"samples_per_pixel", r.samples_per_pixel},
+                 {"picture", r.picture},
+                 {"reference_picture", r.reference_picture},
+                 {"difference_picture", r.difference_picture}};
+  record.update(to_figures(r.found));
+  return record;
+}
+
 }  // namespace
 
-std::string to_json(const Report& report, const Machine& machine, const std::string& commit) {
+std::string to_json(const Report& report, const Machine& machine, const std::string& commit,
+                    const std::string& command) {
   Json records = Json::array();
   for (const BuildResult& r : report.builds) records.push_back(to_record(r));
   for (const SpeedResult& r : report.speeds) records.push_back(to_record(r));
@@ -154,6 +212,9 @@ std::string to_json(const Report& report, const Machine& machine, const std::str
   for (const ParetoResult& r : report.paretos) records.push_back(to_record(r));
   for (const SummaryResult& r : report.summaries) records.push_back(to_record(r));
   for (const ScalingResult& r : report.scalings) records.push_back(to_record(r));
+  for (const CompareResult& r : report.compares) records.push_back(to_record(r));
+  for (const RenderResult& r : report.renders) records.push_back(to_record(r));
+  for (const TruthResult& r : report.truths) records.push_back(to_record(r));
   const Json root = {{"machine",
                       {{"cpu", machine.cpu},
                        {"cores", machine.cores},
@@ -161,6 +222,7 @@ std::string to_json(const Report& report, const Machine& machine, const std::str
                        {"instruction_set", machine.instruction_set},
                        {"embree", machine.embree}}},
                      {"commit", commit},
+                     {"command", command},
                      {"records", std::move(records)}};
   // Names may hold bytes that are not UTF-8 (a file's name): replaced, not thrown over.
   return root.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";

@@ -1,4 +1,4 @@
-/// A report as JSON: {"machine": ..., "commit": ..., "records": [...]}.
+/// A report as JSON: {"machine": ..., "commit": ..., "command": ..., "records": [...]}.
 #pragma once
 
 #include <string>
@@ -8,7 +8,9 @@
 
 namespace stbvh::harness {
 
-/// Text of the whole report. Records come in the order build, speed, error, hard, pareto, summary, scaling.
-std::string to_json(const Report& report, const Machine& machine, const std::string& commit);
+/// Text of the whole report. Records come in the order build, speed, error, hard, pareto, summary, scaling,
+/// compare, render, truth. `command`: the command line that made them; empty where there is none.
+std::string to_json(const Report& report, const Machine& machine, const std::string& commit,
+                    const std::string& command = "");
 
 }  // namespace stbvh::harness

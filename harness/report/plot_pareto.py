@@ -6,8 +6,9 @@ Reads the records of kind "pareto" that `stbvh-ab pareto` writes. A rate of zero
 """
 import sys
 
-from chart_tools import COLOURS, fail, family, finish, plt, read_records, save
+from chart_tools import COLOURS, family, finish, plt, save
 from matplotlib.ticker import NullFormatter
+from record_files import fail, read_records
 
 PANELS = (
     ("leak_rate", "leaks, of rays aimed at vertices and edges\nof closed moving meshes"),
@@ -51,10 +52,8 @@ def draw_panel(axes, records, key):
     axes.grid(True, which="major", linewidth=0.3)
 
 
-def main(records_path, picture_path):
-    records = [r for r in read_records([records_path]) if r["kind"] == "pareto"]
-    if not records:
-        fail(f'There are no records of kind "pareto" in "{records_path}".')
+def draw_pareto(records):
+    """Records of kind "pareto": a panel for each measure of error."""
     figure, all_axes = plt.subplots(1, len(PANELS), figsize=(13, 4.6))
     for axes, (key, title) in zip(all_axes, PANELS):
         draw_panel(axes, records, key)
@@ -67,7 +66,14 @@ def main(records_path, picture_path):
     finish(figure, records, "Speed against error: right is faster, down is more exact",
            "arrows: none found, below the bound of 95 % confidence; open circles: kernels without Embree",
            legend_height=0.2)
-    save(figure, picture_path)
+    return figure
+
+
+def main(records_path, picture_path):
+    records = [r for r in read_records([records_path]) if r["kind"] == "pareto"]
+    if not records:
+        fail(f'There are no records of kind "pareto" in "{records_path}".')
+    save(draw_pareto(records), picture_path)
 
 
 if __name__ == "__main__":

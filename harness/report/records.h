@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "harness/images/compare.h"
+
 namespace stbvh::harness {
 
 /// Median, least and largest of some repeats.
@@ -109,9 +111,10 @@ struct ParetoResult {
   Spread ratio_to_embree;  ///< geometric mean, least and largest over scenes and kinds of rays
   std::size_t aimed = 0;   ///< rays at vertices and edges of closed moving meshes, from inside
   std::size_t leaks = 0;
-  std::size_t thin = 0;        ///< rays at needles and slivers
-  std::size_t differing = 0;   ///< answered otherwise than exactly, within rounding or not
-  double t_error_rel_p99 = 0;  ///< far from the origin
+  std::size_t thin = 0;                ///< rays at needles and slivers
+  std::size_t differing = 0;           ///< answered otherwise than exactly, within rounding or not
+  double t_error_rel_p99 = 0;          ///< far from the origin
+  std::optional<double> image_rmse{};  ///< of renderings against an exact structure's; empty: none were made
 };
 
 /// A structure at one point of a scaling run.
@@ -135,6 +138,51 @@ struct SummaryResult {
   Spread worst{};  ///< its ratio in each repeat
 };
 
+/// A picture against a reference (harness/images/compare.h).
+struct CompareResult {
+  std::string picture;
+  std::string reference;
+  Comparison found;  ///< the map goes into no record
+};
+
+/// A picture of numbers for each pixel; its file in the folder of pictures.
+struct HeatMapResult {
+  std::string picture;
+  double mean = 0;
+  double largest = 0;
+};
+
+/// A rendering, and the pictures that show it; files in the folder of pictures.
+struct RenderResult {
+  std::string scene;
+  std::string structure;
+  std::size_t width = 0;
+  std::size_t height = 0;
+  std::size_t samples_per_pixel = 0;
+  std::uint64_t seed = 0;
+  double seconds = 0;
+  double mrays_per_s = 0;
+  std::string picture;
+  std::string reference;           ///< the structure whose rendering `found` refers to; empty: this is it
+  Comparison found{};              ///< the map goes into no record
+  std::string difference_picture;  ///< empty where no pixel differs
+  std::optional<HeatMapResult> nodes{};  ///< of camera rays; empty for structures that do not count
+  std::optional<HeatMapResult> triangles{};
+};
+
+/// A rendering of motion against the mean of renderings at frozen times; files as of RenderResult.
+struct TruthResult {
+  std::string scene;
+  std::string structure;
+  std::string reference_structure;
+  std::size_t frozen_times = 0;
+  std::size_t samples_per_pixel = 0;
+  Comparison found{};
+  std::string picture;
+  std::string reference_picture;
+  std::string difference_picture;
+};
+
 struct Report {
   std::vector<BuildResult> builds;
   std::vector<SpeedResult> speeds;
@@ -143,6 +191,9 @@ struct Report {
   std::vector<ParetoResult> paretos;
   std::vector<SummaryResult> summaries;
   std::vector<ScalingResult> scalings;
+  std::vector<CompareResult> compares;
+  std::vector<RenderResult> renders;
+  std::vector<TruthResult> truths;
 };
 
 }  // namespace stbvh::harness

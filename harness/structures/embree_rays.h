@@ -39,6 +39,17 @@ inline HitRecord to_hit_record(const RTCRayHit& query) {
   return {query.ray.tfar, query.hit.geomID, query.hit.primID};
 }
 
+/// All that is known of a hit; the mesh `geom_id` was hit.
+inline Hit to_hit(const RTCRayHit& query, std::uint32_t geom_id) {
+  return {.t = query.ray.tfar,
+          .u = query.hit.u,
+          .v = query.hit.v,
+          .normal = {query.hit.Ng_x, query.hit.Ng_y, query.hit.Ng_z},
+          .prim_id = query.hit.primID,
+          .geom_id = geom_id,
+          .mesh = geom_id};
+}
+
 /// Answer to an occlusion query: Embree sets tfar to -inf where something is in the way.
 inline HitRecord to_occlusion_record(const RTCRay& ray) {
   return {ray.tfar, ray.tfar < 0.0f ? 0u : kInvalidId, ray.tfar < 0.0f ? 0u : kInvalidId};

@@ -24,6 +24,14 @@ void EmbreeStructure::occluded(std::span<const Ray> rays, std::span<HitRecord> h
   occluded_scene(scene_.get(), rays, hits);
 }
 
+bool EmbreeStructure::intersect_one(const Ray& ray, Hit& hit) const {
+  return intersect_scene(scene_.get(), ray, hit);
+}
+
+bool EmbreeStructure::occluded_one(const Ray& ray) const {
+  return occluded_scene(scene_.get(), ray);
+}
+
 void intersect_scene(RTCScene scene, std::span<const Ray> rays, std::span<HitRecord> hits) {
   RTCIntersectContext context = new_context();
   for (std::size_t i = 0; i < rays.size(); ++i) {
@@ -40,6 +48,22 @@ void occluded_scene(RTCScene scene, std::span<const Ray> rays, std::span<HitReco
     rtcOccluded1(scene, &context, &ray);
     hits[i] = to_occlusion_record(ray);
   }
+}
+
+bool intersect_scene(RTCScene scene, const Ray& ray, Hit& hit) {
+  RTCIntersectContext context = new_context();
+  RTCRayHit query = to_embree_query(ray);
+  rtcIntersect1(scene, &context, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  hit = to_hit(query, query.hit.geomID);
+  return true;
+}
+
+bool occluded_scene(RTCScene scene, const Ray& ray) {
+  RTCIntersectContext context = new_context();
+  RTCRay query = to_embree(ray);
+  rtcOccluded1(scene, &context, &query);
+  return to_occlusion_record(query).is_hit();
 }
 
 }  // namespace stbvh::harness

@@ -18,6 +18,8 @@ class EmbreeStructure final : public StructureUnderTest {
   const BuildRecord& build_record() const override { return record_; }
   void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
   void occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
+  bool intersect_one(const Ray& ray, Hit& hit) const override;
+  bool occluded_one(const Ray& ray) const override;
 
  private:
   EmbreeDevice device_;
@@ -28,5 +30,7 @@ class EmbreeStructure final : public StructureUnderTest {
 /// Traces `rays` through one Embree scene; geomIDs are taken as they are.
 void intersect_scene(RTCScene scene, std::span<const Ray> rays, std::span<HitRecord> hits);
 void occluded_scene(RTCScene scene, std::span<const Ray> rays, std::span<HitRecord> hits);
+bool intersect_scene(RTCScene scene, const Ray& ray, Hit& hit);
+bool occluded_scene(RTCScene scene, const Ray& ray);
 
 }  // namespace stbvh::harness

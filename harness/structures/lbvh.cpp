@@ -4,6 +4,7 @@
 
 #include "harness/structures/build_meter.h"
 #include "harness/structures/embree_rays.h"
+#include "harness/structures/embree_structure.h"
 
 namespace stbvh::harness {
 namespace {
@@ -123,6 +124,24 @@ void Lbvh::occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const 
     }
     hits[i] = to_occlusion_record(ray);
   }
+}
+
+bool Lbvh::intersect_one(const Ray& ray, Hit& hit) const {
+  bool is_hit = static_scene_ && intersect_scene(static_scene_.get(), ray, hit);
+  if (windows_.empty()) return is_hit;
+  Ray rest = ray;
+  if (is_hit) rest.tfar = hit.t;
+  const Window& window = windows_[times_.window_of(ray.time)];
+  Hit moving;
+  if (!intersect_scene(window.scene.get(), rest, moving)) return is_hit;
+  hit = moving;
+  hit.geom_id = hit.mesh = window.mesh_of_geometry[moving.geom_id];
+  return true;
+}
+
+bool Lbvh::occluded_one(const Ray& ray) const {
+  if (static_scene_ && occluded_scene(static_scene_.get(), ray)) return true;
+  return !windows_.empty() && occluded_scene(windows_[times_.window_of(ray.time)].scene.get(), ray);
 }
 
 }  // namespace stbvh::harness

@@ -49,4 +49,16 @@ void StbvhDirect::occluded(std::span<const Ray> rays, std::span<HitRecord> hits)
   }
 }
 
+bool StbvhDirect::intersect_one(const Ray& ray, Hit& hit) const {
+  return isa_ ? structure_->intersect_on(*isa_, ray, hit) : structure_->intersect(ray, hit);
+}
+
+bool StbvhDirect::occluded_one(const Ray& ray) const {
+  return isa_ ? structure_->occluded_on(*isa_, ray) : structure_->occluded(ray);
+}
+
+bool StbvhDirect::intersect_one_counted(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
+  return has_counters() ? structure_->intersect_counted(ray, hit, counters) : intersect_one(ray, hit);
+}
+
 }  // namespace stbvh::harness

@@ -17,6 +17,11 @@ class StbvhDirect final : public StructureUnderTest {
   const BuildRecord& build_record() const override { return record_; }
   void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
   void occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
+  bool intersect_one(const Ray& ray, Hit& hit) const override;
+  bool occluded_one(const Ray& ray) const override;
+  /// The counting traversal is that of the default instruction set.
+  bool has_counters() const override { return !isa_; }
+  bool intersect_one_counted(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
 
  private:
   std::unique_ptr<Structure> structure_;

@@ -67,4 +67,12 @@ void StbvhPlugin::occluded(std::span<const Ray> rays, std::span<HitRecord> hits)
   occluded_scene(scene_.get(), rays, hits);
 }
 
+bool StbvhPlugin::intersect_one(const Ray& ray, Hit& hit) const {
+  return intersect_scene(scene_.get(), ray, hit);
+}
+
+bool StbvhPlugin::occluded_one(const Ray& ray) const {
+  return occluded_scene(scene_.get(), ray);
+}
+
 }  // namespace stbvh::harness

@@ -24,6 +24,8 @@ class StbvhPlugin final : public StructureUnderTest {
   const BuildRecord& build_record() const override { return record_; }
   void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
   void occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
+  bool intersect_one(const Ray& ray, Hit& hit) const override;
+  bool occluded_one(const Ray& ray) const override;
 
  private:
   struct Release {

@@ -30,6 +30,19 @@ class StructureUnderTest {
   /// Traces `rays` one by one, in order, on the calling thread; `hits` has the same length.
   virtual void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const = 0;
   virtual void occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const = 0;
+
+  /// Closest hit of one ray, for pictures; false, and `hit` untouched, if there is none. geom_id and mesh are
+  /// the index of the mesh in the scene. May run on any number of threads at once.
+  virtual bool intersect_one(const Ray& ray, Hit& hit) const = 0;
+  virtual bool occluded_one(const Ray& ray) const = 0;
+
+  /// Whether intersect_one_counted counts: what the structure meets can be asked of our own kernels only.
+  virtual bool has_counters() const { return false; }
+  /// As intersect_one, adding to `counters` where the structure has them.
+  virtual bool intersect_one_counted(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
+    static_cast<void>(counters);
+    return intersect_one(ray, hit);
+  }
 };
 
 /// Names of all structures, in the order in which tables print them.

@@ -56,9 +56,11 @@ INSTANTIATE_TEST_SUITE_P(
         "scaling --over triangles --values 10000000 --scene barbarian-rotate",
         "scaling --over threads --threads 1", "scaling --over threads --values 100000",
         "scaling --over steps --json /no/such/directory/a.json", "charts", "charts a.json", "charts -o /tmp",
-        "charts a.json -o /tmp --format pdf", "charts /no/such.json -o /tmp", "picture --scenes wheels",
-        "picture --scenes wheels -o /proc/none", "picture --scenes wheels -o /tmp --size 0x5",
-        "picture --scenes wheels -o /tmp --size 5", "picture --scenes wheels -o /tmp --spp 0"));
+        "charts a.json -o /tmp --format pdf", "charts /no/such.json -o /tmp", "compare", "compare a.exr",
+        "compare /no/a.exr /no/b.exr", "truth", "truth -o /proc/none", "truth --scenes all -o /tmp",
+        "truth --structures all -o /tmp", "truth --frozen-times 0 -o /tmp", "truth --spp 0 -o /tmp", "report",
+        "report -o /proc/none", "report -o ''", "report --structures stbhv -o /tmp/none",
+        "report --scenes no-such -o /tmp/none"));
 
 TEST(Program, SuggestsTheClosestName) {
   EXPECT_NE(stbvh_ab("bench --scenes wheals").out.find("did you mean \"wheels\""), std::string::npos);

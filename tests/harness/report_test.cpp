@@ -3,11 +3,13 @@
 
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "harness/files/output_file.h"
 #include "harness/report/json.h"
+#include "harness/report/read_records.h"
 #include "harness/report/table.h"
 
 namespace stbvh::harness {
@@ -185,6 +187,36 @@ TEST(RateBound, OfNothingFoundIsThreeByN) {
   EXPECT_NEAR(rate_bound_95(1, 1000), 4.744e-3, 5e-5);
   EXPECT_NEAR(rate_bound_95(10, 1000), 16.96e-3, 5e-5);
   EXPECT_NEAR(rate_bound_95(100, 1000), 118.1e-3, 1e-4);
+}
+
+TEST(Json, SpeedsAndHardCasesComeBack) {
+  Report report;
+  SpeedResult speed;
+  speed.structure = "stbvh";
+  speed.threads = 2;
+  speed.ratios_to_embree = {1.5, 1.25, 2};
+  report.speeds = {speed};
+  HardResult hard;
+  hard.leaks = 3;
+  hard.within_rounding = 7;
+  hard.t_error_rel_p99 = std::numeric_limits<double>::infinity();  // null in JSON
+  report.hards = {hard, HardResult{}};
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("stbvh_read_records_" + std::to_string(getpid()) + ".json");
+  write_file(file, to_json(report, Machine{}, "abc", "stbvh-ab bench"));
+  const Report back = read_speeds_and_hards(file);
+  EXPECT_NO_THROW(check_records(file));
+  write_file(file, R"({"machine": {}, "commit": "", "records": [{"kind": "speed"}]})");
+  EXPECT_THROW(read_speeds_and_hards(file), RecordFileError);
+  std::filesystem::remove(file);
+  EXPECT_THROW(check_records(file), RecordFileError);
+  ASSERT_EQ(back.speeds.size(), 1u);
+  EXPECT_EQ(back.speeds[0].ratios_to_embree, report.speeds[0].ratios_to_embree);
+  EXPECT_EQ(back.speeds[0].threads, 2u);
+  ASSERT_EQ(back.hards.size(), 2u);
+  EXPECT_EQ(back.hards[0].leaks, 3u);
+  EXPECT_EQ(back.hards[0].within_rounding, 7u);
+  EXPECT_FALSE(back.hards[1].leaks.has_value());
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "harness/scenes/procedural/machine_parts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace stbvh::harness {
@@ -94,6 +95,30 @@ void fill_patch(Mesh& mesh, const Patch& patch, const Motion& motion, Cut cut, s
   }
 }
 
+/// What shines does so by its name, in all machine scenes alike; the rest is matt.
+Material material_of(const Part& part) {
+  constexpr std::array kMetals{"brass", "steel", "chrome", "hubs"};
+  constexpr std::array kGlazed{"glass",      "window glass", "car windows", "green glass", "amber glass",
+                               "red cars",   "blue cars",    "white cars",  "leather",     "green cladding",
+                               "black iron", "red paint",    "blue paint",  "maroon"};
+  const auto is_one_of = [&](const auto& names) {
+    return std::find(names.begin(), names.end(), part.name) != names.end();
+  };
+  Material material;
+  material.color = to_float(part.color);
+  if (is_one_of(kMetals)) {
+    material.kind = Material::Kind::kGlossy;
+    material.roughness = 0.45f;
+    material.index_of_refraction = 3;
+  } else if (is_one_of(kGlazed)) {
+    material.kind = Material::Kind::kGlossy;
+    material.roughness = 0.2f;
+  } else if (part.name == "mirrors") {
+    material.kind = Material::Kind::kMirror;
+  }
+  return material;
+}
+
 Mesh make_mesh(const Part& part, const Cut* cuts) {
   std::vector<std::size_t> first_vertex{0}, first_triangle{0};
   for (std::size_t i = 0; i < part.patches.size(); ++i) {
@@ -102,7 +127,7 @@ Mesh make_mesh(const Part& part, const Cut* cuts) {
   }
   Mesh mesh;
   mesh.name = part.name;
-  mesh.material.color = to_float(part.color);
+  mesh.material = material_of(part);
   mesh.indices.resize(3 * first_triangle.back());
   for (std::size_t k = 0; k < part.steps; ++k) mesh.steps.emplace_back(first_vertex.back());
   tbb::parallel_for(std::size_t{0}, part.patches.size(), [&](std::size_t i) {

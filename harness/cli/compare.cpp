@@ -1,0 +1,52 @@
+/// A picture against a reference.
+#include "harness/images/compare.h"
+
+#include <fmt/format.h>
+
+#include "harness/cli/commands.h"
+#include "harness/cli/session.h"
+#include "harness/files/output_file.h"
+#include "harness/images/exr_file.h"
+#include "harness/images/flip.h"
+#include "harness/images/heat_map.h"
+#include "harness/images/png_file.h"
+#include "harness/report/records.h"
+
+namespace stbvh::harness {
+namespace {
+
+std::string describe(const Comparison& c) {
+  std::string text = fmt::format(
+      "pixels        {} x {}, {} differ, {} not finite\n"
+      "RMSE          {:.6g}\n"
+      "relative MSE  {:.6g}\n"
+      "FLIP          {:.6g} mean, {:.6g} largest (0 to 1; {:.0f} pixels per degree)\n",
+      c.width, c.height, c.differing, c.not_finite, c.rmse, c.relative_mse, c.flip_mean, c.flip_max,
+      kFlipPixelsPerDegree);
+  if (!c.worst.empty()) text += "worst pixels  x, y from the upper left: R G B, and of the reference\n";
+  for (const PixelDifference& d : c.worst) {
+    text +=
+        fmt::format("  {:4}, {:4}  {:.6g} {:.6g} {:.6g}  against  {:.6g} {:.6g} {:.6g}\n", d.x, d.y,
+                    d.picture[0], d.picture[1], d.picture[2], d.reference[0], d.reference[1], d.reference[2]);
+  }
+  return text;
+}
+
+}  // namespace
+
+void run_compare(const Options& options) {
+  if (options.difference_png) check_writable(*options.difference_png);
+  if (options.json) check_writable(*options.json);
+  const Comparison found = compare(read_exr(options.picture), read_exr(options.reference));
+  fmt::print("{}", describe(found));
+  if (options.difference_png) {
+    write_png(heat_map(found.flip_map, found.width, found.height, 1), *options.difference_png);
+    fmt::print("{}: FLIP, from 0 (black) to 1 (pale yellow){}\n", options.difference_png->string(),
+               found.not_finite > 0 ? "; green: not finite" : "");
+  }
+  Report report;
+  report.compares.push_back({options.picture.string(), options.reference.string(), found});
+  write_records(options, report);
+}
+
+}  // namespace stbvh::harness

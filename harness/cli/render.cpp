@@ -1,0 +1,168 @@
+#include "harness/path_tracer/render.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <filesystem>
+#include <set>
+
+#include "harness/cli/commands.h"
+#include "harness/cli/interruption.h"
+#include "harness/cli/progress.h"
+#include "harness/cli/scene_source.h"
+#include "harness/cli/session.h"
+#include "harness/cli/usage_error.h"
+#include "harness/files/output_file.h"
+#include "harness/images/exr_file.h"
+#include "harness/images/png_file.h"
+#include "harness/images/tone_map.h"
+#include "harness/path_tracer/lights.h"
+#include "harness/report/machine.h"
+#include "harness/structures/memory_estimate.h"
+
+namespace stbvh::harness {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path png_beside(fs::path file) {
+  return file.replace_extension(".png");
+}
+
+/// The file of each scene and structure, which can be written as things stand.
+class Outputs {
+ public:
+  Outputs(const Options& options, const std::vector<SceneSource>& sources) : output_(options.output) {
+    std::error_code error;
+    is_folder_ = sources.size() * options.structures.size() > 1 || fs::is_directory(output_, error);
+    if (is_folder_) fs::create_directories(output_, error);
+    if (is_folder_ && error) {
+      throw UsageError(
+          fmt::format("Cannot make the directory \"{}\": {}.", output_.string(), error.message()));
+    }
+    std::set<fs::path> all;
+    for (const SceneSource& source : sources) {
+      for (const std::string& structure : options.structures) {
+        const fs::path path = file(source.name, structure);
+        if (!all.insert(path).second) {
+          throw UsageError(fmt::format("Two pictures would be written to \"{}\".", path.string()));
+        }
+        if (options.png && png_beside(path) == path) {
+          throw UsageError(fmt::format("\"{}\" is the OpenEXR file: it cannot end in .png.", path.string()));
+        }
+        check_writable(path);
+        if (options.png) check_writable(png_beside(path));
+      }
+    }
+  }
+
+  fs::path file(const std::string& scene, const std::string& structure) const {
+    return is_folder_ ? output_ / fmt::format("{}-{}.exr", scene, structure) : output_;
+  }
+
+ private:
+  fs::path output_;
+  bool is_folder_;
+};
+
+Environment read_environment(const fs::path& path) {
+  const LayeredImage image = read_exr(path);
+  Environment environment{.radiance = {1, 1, 1}, .width = image.width, .height = image.height, .pixels = {}};
+  const auto *r = image.find("R"), *g = image.find("G"), *b = image.find("B");
+  if (r == nullptr || g == nullptr || b == nullptr) {
+    throw UsageError(fmt::format("The picture \"{}\" has no channels R, G and B.", path.string()));
+  }
+  for (std::size_t i = 0; i < r->size(); ++i) environment.pixels.push_back({(*r)[i], (*g)[i], (*b)[i]});
+  try {
+    const EnvironmentLight light(environment);
+  } catch (const std::invalid_argument&) {
+    throw UsageError(
+        fmt::format("The picture \"{}\" has light that is negative or not finite.", path.string()));
+  }
+  return environment;
+}
+
+void add_metadata(const Options& options, const std::string& scene, const std::string& structure,
+                  Rendering& rendering) {
+  const RenderSettings& r = options.render;
+  const Machine machine = this_machine();
+  const auto add = [&](const char* name, std::string value) {
+    rendering.image.metadata.emplace_back(name, std::move(value));
+  };
+  add("scene", scene);
+  add("structure", structure);
+  add("seed", fmt::format("{}", r.seed));
+  add("size", fmt::format("{}x{}", r.width, r.height));
+  add("spp", fmt::format("{}", r.samples_per_pixel));
+  add("shutter", fmt::format("{} to {}, opening {}, closing {}", r.shutter.open, r.shutter.close,
+                             r.shutter.opening, r.shutter.closing));
+  add("lens_radius", fmt::format("{}", r.lens.radius));
+  if (r.lens.focus_distance) add("focus_distance", fmt::format("{}", *r.lens.focus_distance));
+  if (!options.environment.empty()) add("environment", options.environment.string());
+  add("complete", rendering.is_complete ? "yes" : "no");
+  add("not_finite", fmt::format("{}", rendering.not_finite));
+  add("seconds", fmt::format("{:.3f}", rendering.seconds));
+  add("mrays_per_s", fmt::format("{:.4f}", static_cast<double>(rendering.rays) / 1e6 / rendering.seconds));
+  add("threads", fmt::format("{}", r.threads));
+  add("machine", fmt::format("{}, {} cores", machine.cpu, machine.cores));
+  add("commit", built_commit());
+}
+
+/// Renders one picture and writes it; `label` stands in front of the progress.
+void make_picture(const Options& options, const Scene& scene, const std::string& structure_name,
+                  const fs::path& file, Progress& progress) {
+  const std::string label = fmt::format("{}, {}", scene.name, structure_name);
+  progress.stage(label + ": building");
+  const auto structure = build_structure(structure_name, scene, options.threads);
+  const auto start = std::chrono::steady_clock::now();
+  double done = 0;
+  const auto show = [&](double fraction) {
+    const double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    done = fraction;
+    progress.stage(fmt::format("{}: rendering, {:.0f} %, {:.0f} s left", label, 100 * fraction,
+                               passed * (1 - fraction) / fraction));
+  };
+  const Interruption interruption;
+  Rendering rendering = render(scene, *structure, options.render, show, &interruption.flag());
+  progress.clear();
+  add_metadata(options, scene.name, structure_name, rendering);
+  write_exr(rendering.image, file);
+  if (options.png) write_png(tone_mapped(rendering.image), png_beside(file));
+  if (!rendering.is_complete) {
+    throw Interrupted(
+        fmt::format("Interrupted: \"{}\" holds {:.0f} % of the picture.", file.string(), 100 * done));
+  }
+  fmt::print("{} ({:.1f} s, {:.2f} million rays a second)\n", file.string(), rendering.seconds,
+             static_cast<double>(rendering.rays) / 1e6 / rendering.seconds);
+  std::fflush(stdout);
+  if (rendering.not_finite > 0) {
+    throw std::runtime_error(fmt::format("{} samples of \"{}\" were NaN or infinite and are left out.",
+                                         rendering.not_finite, file.string()));
+  }
+}
+
+}  // namespace
+
+void run_render(const Options& options) {
+  if (rendering_bytes(options.render) > available_memory_bytes()) {
+    throw UsageError(fmt::format(
+        "--size: a picture of {} x {} pixels takes {:.1f} GB, and {:.1f} GB are free.", options.render.width,
+        options.render.height, static_cast<double>(rendering_bytes(options.render)) / 1e9,
+        static_cast<double>(available_memory_bytes()) / 1e9));
+  }
+  const std::vector<SceneSource> sources = find_scenes(options);
+  std::optional<Environment> environment;
+  if (!options.environment.empty()) environment = read_environment(options.environment);
+  const Outputs outputs(options, sources);
+  Progress progress;
+  for (const SceneSource& source : sources) {
+    progress.stage(fmt::format("{}: making the scene", source.name));
+    Scene scene = source.load();
+    if (environment) scene.environment = environment;
+    for (const std::string& structure : structures_that_fit(options.structures, scene, "")) {
+      make_picture(options, scene, structure, outputs.file(source.name, structure), progress);
+    }
+  }
+}
+
+}  // namespace stbvh::harness

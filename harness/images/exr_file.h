@@ -1,0 +1,25 @@
+/// Layered images as OpenEXR files.
+#pragma once
+
+#include <filesystem>
+#include <stdexcept>
+
+#include "harness/images/layered_image.h"
+
+namespace stbvh::harness {
+
+/// A picture that is missing or broken; what() is one sentence for the user.
+struct ImageFileError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Writes `image` to `path`, whole or not at all (write_file): float channels as 32-bit floats, id channels
+/// as 32-bit unsigned integers, metadata as string attributes. Throws OutputFileError, and
+/// std::invalid_argument for an image without pixels or with a channel of another size.
+void write_exr(const LayeredImage& image, const std::filesystem::path& path);
+
+/// Reads a scan-line or tiled file of one part: half and float channels as floats, unsigned ones as ids,
+/// string attributes as metadata. Throws ImageFileError.
+LayeredImage read_exr(const std::filesystem::path& path);
+
+}  // namespace stbvh::harness

@@ -1,0 +1,122 @@
+/// `stbvh-ab report` on a tiny scene, and on records made up here.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include "harness/files/output_file.h"
+#include "tests/harness/run_stbvh_ab.h"
+
+namespace stbvh::harness {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string content(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// One report for all tests: making it takes seconds.
+class ReportPage : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    fs::create_directories(root());
+    made() = stbvh_ab("report --quick --scenes wheels,cloth --scale 0.01 --structures embree,lbvh,stbvh -o " +
+                      path("page"));
+  }
+  static void TearDownTestSuite() { fs::remove_all(root()); }
+
+  static fs::path root() {
+    return fs::temp_directory_path() / ("stbvh_report_page_test_" + std::to_string(getpid()));
+  }
+  static std::string path(const std::string& name) { return (root() / name).string(); }
+  static Outcome& made() {
+    static Outcome outcome{-1, ""};
+    return outcome;
+  }
+
+  /// What tests/harness/check_page.py finds wrong; empty if nothing is.
+  static std::string problems(const std::string& folder, const std::string& words) {
+    const std::string list = path("problems.txt");
+    const std::string command = "/usr/bin/python3 -B " STBVH_SOURCE_DIR "/tests/harness/check_page.py " +
+                                folder + " " + words + " > " + list + " 2>&1";
+    const int status = std::system(command.c_str());
+    return content(list) + (status == 0 ? "" : "failed");
+  }
+
+  static void expect_refused(const std::string& arguments, const std::string& reason) {
+    const Outcome run = stbvh_ab("report " + arguments);
+    EXPECT_EQ(run.exit_code, 2) << run.out;
+    EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 1) << run.out;
+    EXPECT_TRUE(run.out.starts_with("stbvh-ab: ")) << run.out;
+    EXPECT_TRUE(holds(run.out, reason)) << run.out;
+  }
+};
+
+TEST_F(ReportPage, NeedsNothingElseAndHoldsEveryPart) {
+  ASSERT_EQ(made().exit_code, 0) << made().out;
+  EXPECT_TRUE(holds(made().out, path("page/index.html"))) << made().out;
+  EXPECT_EQ(problems(path("page"),
+                     "embree lbvh stbvh wheels cloth closed-2k-8 Summary 'Hard cases' 'Speed against error' "
+                     "Renderings 'Frozen times' 'stbvh-ab bench' 'stbvh-ab truth' RMSE"),
+            "");
+  EXPECT_TRUE(holds(content(path("page/index.html")), "<svg"));
+}
+
+TEST_F(ReportPage, IsMadeAnewWithoutMeasuring) {
+  ASSERT_EQ(made().exit_code, 0) << made().out;
+  const Outcome again = stbvh_ab("report --from " + path("page") + " -o " + path("again"));
+  EXPECT_EQ(again.exit_code, 0) << again.out;
+  EXPECT_FALSE(holds(again.out, "-- stbvh-ab")) << again.out;
+  EXPECT_EQ(content(path("again/index.html")), content(path("page/index.html")));
+  EXPECT_EQ(content(path("again/report.md")), content(path("page/report.md")));
+}
+
+TEST_F(ReportPage, SaysThatThereAreNoChartsWithoutMatplotlib) {
+  ASSERT_EQ(made().exit_code, 0) << made().out;
+  fs::create_directories(path("without"));
+  write_file(path("without/matplotlib.py"), "raise ImportError('none here')\n");
+  setenv("PYTHONPATH", path("without").c_str(), 1);
+  const Outcome run = stbvh_ab("report --from " + path("page") + " -o " + path("plain"));
+  unsetenv("PYTHONPATH");
+  EXPECT_EQ(run.exit_code, 0) << run.out;
+  const std::string page = content(path("plain/index.html"));
+  EXPECT_TRUE(holds(page, "no charts on this page"));
+  EXPECT_FALSE(holds(page, "<svg"));
+  EXPECT_EQ(problems(path("plain"), "embree stbvh wheels"), "");
+}
+
+TEST_F(ReportPage, RefusesBrokenRecordsBeforeMeasuring) {
+  const auto with_bench = [&](const std::string& text) {
+    fs::create_directories(path("records"));
+    write_file(path("records/bench.json"), text);
+    return "--from " + path("records") + " -o " + path("none");
+  };
+  expect_refused(with_bench("{\"machine\": {"), "not whole JSON");
+  expect_refused(with_bench(""), "not whole JSON");
+  expect_refused(with_bench("[1]"), "does not hold records");
+  expect_refused(with_bench(R"({"machine": {}, "commit": "", "records": []})"), "no records");
+  expect_refused("--from " + path("no-such") + " -o " + path("none"), "not a folder");
+  fs::create_directories(path("empty"));
+  expect_refused("--from " + path("empty") + " -o " + path("none"), "no records in");
+}
+
+TEST_F(ReportPage, RefusesToWriteWhereItCannot) {
+  expect_refused("-o /proc/none", "Cannot make the directory");
+  write_file(path("file"), "");
+  expect_refused("-o " + path("file"), "Cannot make the directory");
+}
+
+}  // namespace
+}  // namespace stbvh::harness
