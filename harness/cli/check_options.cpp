@@ -252,6 +252,15 @@ void check_picture(Arguments& a, const CLI::App& command) {
   check_range("--spp", o.samples_per_pixel, 65536);
 }
 
+void check_convert(Arguments& a) {
+  Options& o = a.options;
+  o.command = Command::kConvert;
+  if (o.scenes.size() != 1) throw UsageError("convert takes one scene at a time.");
+  o.converted = a.converted;
+  if (o.converted.extension() != ".xml")
+    throw UsageError(fmt::format("convert writes .xml files, not \"{}\".", a.converted));
+}
+
 }  // namespace
 
 std::string_view over_name(Over over) {
@@ -285,6 +294,10 @@ Options checked_options(Arguments a, const CLI::App& command) {
   if (name == "picture") {
     a.options.command = Command::kPicture;
     check_picture(a, command);
+    return a.options;
+  }
+  if (name == "convert") {
+    check_convert(a);
     return a.options;
   }
   a.options.command = name == "bench" ? Command::kBench : Command::kError;

@@ -32,6 +32,7 @@ struct Arguments {
   std::string json;
   std::string plot;
   std::string directory;
+  std::string converted;
   std::string over;
   std::string scene = "cloth";
 };

@@ -44,13 +44,15 @@ void run(const Options& options) {
       return run_charts(options);
     case Command::kPicture:
       return run_picture(options);
+    case Command::kConvert:
+      return run_convert(options);
   }
 }
 
 }  // namespace
 
 void run_list() {
-  fmt::print("scenes (or a .glb or .gltf file)\n");
+  fmt::print("scenes (or a .glb, .gltf, .xml or .ecs file)\n");
   for (const ProceduralScene& scene : procedural_scenes()) {
     fmt::print("  {:<17} {} (default scale {})\n", scene.name, scene.description, scene.default_scale);
   }

@@ -18,6 +18,8 @@ void run_scaling(const Options& options);
 /// Draws the records of bench and scaling; prints the files' names. Throws ScriptFailure.
 void run_charts(const Options& options);
 void run_picture(const Options& options);
+/// Writes a scene as XML for Embree's own tools; prints the files' names.
+void run_convert(const Options& options);
 
 /// The whole program: runs the command of a command line, prints one line on stderr for what cannot be done.
 /// Returns the exit code: 0 done; 2 the user asked for what cannot be done; 1 it went wrong,

@@ -21,18 +21,36 @@ void add_scale_option(CLI::App& app, Arguments& a) {
       "(see list)");
 }
 
-void add_scene_options(CLI::App& app, Arguments& a) {
-  app.add_option(
-         "--scenes", a.options.scenes,
-         "Names of built-in scenes (see list), paper (its six), all, or .glb and .gltf files; separated "
-         "by commas")
-      ->delimiter(',')
-      ->capture_default_str();
+/// How a scene is made that is named elsewhere.
+void add_making_options(CLI::App& app, Arguments& a) {
   add_scale_option(app, a);
   app.add_option("--seed", a.options.seed, "Seed of scenes and rays")->capture_default_str();
   app.add_option("--clip", a.options.gltf.clip, "glTF: name or number of the animation. Default: the first");
   app.add_option("--shutter", a.shutter, "glTF: A,B, the part of the clip in seconds. Default: all of it");
   app.add_option("--steps", a.options.gltf.steps, "glTF: steps of each moving mesh")->capture_default_str();
+}
+
+void add_scene_options(CLI::App& app, Arguments& a) {
+  app.add_option(
+         "--scenes", a.options.scenes,
+         "Names of built-in scenes (see list), paper (its six), all, or .glb, .gltf, .xml (Embree's) and "
+         ".ecs files; separated by commas")
+      ->delimiter(',')
+      ->capture_default_str();
+  add_making_options(app, a);
+}
+
+void add_convert(CLI::App& app, Arguments& a) {
+  CLI::App& convert =
+      *app.add_subcommand("convert", "Write a scene as XML that Embree's pathtracer and viewer show");
+  convert.add_option("scene", a.options.scenes, "A built-in scene (see list) or a file, as in --scenes")
+      ->expected(1)
+      ->required();
+  convert
+      .add_option("-o,--output", a.converted,
+                  "File.xml; for a large scene, a File.bin beside it has positions and triangles")
+      ->required();
+  add_making_options(convert, a);
 }
 
 void add_common_options(CLI::App& app, Arguments& a, const std::string& default_structures) {
@@ -186,6 +204,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   add_scaling(app, a);
   add_charts(app, a);
   add_picture(app, a);
+  add_convert(app, a);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

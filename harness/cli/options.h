@@ -21,7 +21,7 @@ inline constexpr std::size_t kDefaultHardRays = 20'000;
 inline constexpr std::size_t kDefaultParetoRays = 100'000;
 inline constexpr std::size_t kDefaultScalingRays = 100'000;
 
-enum class Command { kList, kBench, kError, kHard, kPareto, kPicture, kScaling, kCharts };
+enum class Command { kList, kBench, kError, kHard, kPareto, kPicture, kScaling, kCharts, kConvert };
 
 /// What a scaling run varies.
 enum class Over { kSteps, kTriangles, kThreads };
@@ -49,6 +49,7 @@ struct Options {
   std::vector<std::string> record_files;  ///< that charts draws
   std::string chart_format = "svg";       ///< or "png"
   std::filesystem::path directory;
+  std::filesystem::path converted;  ///< the file that convert writes, .xml
   std::size_t picture_width = 960;
   std::size_t picture_height = 540;
   std::size_t samples_per_pixel = 16;
