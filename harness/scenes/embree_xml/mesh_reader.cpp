@@ -73,6 +73,8 @@ Affine rotation(std::span<const float> axis, std::span<const float> point, float
   Affine r;  // Rodrigues' formula
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) r.row[i][j] = (1 - c) * a[i] * a[j] + (i == j ? c : 0);
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
     r.row[j][k] -= s * a[i];
     r.row[k][j] += s * a[i];

@@ -29,6 +29,15 @@ std::string words(Vec3f v) {
   return fmt::format("{} {} {}", v.x, v.y, v.z);
 }
 
+/// For attributes, in which Embree's loader refuses numbers below the least normal float.
+float without_denormal(float x) {
+  return std::fpclassify(x) == FP_SUBNORMAL ? 0.0f : x;
+}
+
+std::string attribute(Vec3f v) {
+  return words({without_denormal(v.x), without_denormal(v.y), without_denormal(v.z)});
+}
+
 bool is_black(Vec3f v) {
   return v.x == 0 && v.y == 0 && v.z == 0;
 }
@@ -93,7 +102,7 @@ class Writer {
   void camera() {
     const Camera& c = scene_.camera;
     line(fmt::format(R"(<PerspectiveCamera name="default" from="{}" to="{}" up="{}" fov="{}"/>)",
-                     words(c.position), words(c.target), words(c.up), c.vertical_fov_degrees));
+                     attribute(c.position), attribute(c.target), attribute(c.up), c.vertical_fov_degrees));
   }
 
   void lights() {
@@ -189,7 +198,8 @@ class Writer {
         '_');
     const bool has_range = mesh.time_range.begin != 0 || mesh.time_range.end != 1;
     if (has_range)
-      line(fmt::format(R"(<TimeRange time="{} {}">)", mesh.time_range.begin, mesh.time_range.end));
+      line(fmt::format(R"(<TimeRange time="{} {}">)", without_denormal(mesh.time_range.begin),
+                       without_denormal(mesh.time_range.end)));
     line(fmt::format(R"(<TriangleMesh name="{}">)", name));
     line(material(mesh.material));
     if (!mesh.is_static()) line("<animated_positions>");
