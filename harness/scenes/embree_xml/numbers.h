@@ -1,14 +1,13 @@
 /// Numbers in text, as Embree's scene files have them.
 #pragma once
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <cstdint>
 #include <optional>
-#include <pugixml.hpp>
 #include <string_view>
 #include <system_error>
-#include <vector>
+#include <type_traits>
 
 namespace stbvh::harness::embree_xml {
 
