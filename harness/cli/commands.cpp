@@ -50,7 +50,7 @@ void run(const Options& options) {
 }  // namespace
 
 void run_list() {
-  fmt::print("scenes (or a .glb or .gltf file)\n");
+  fmt::print("scenes (or a .glb or .gltf file, or .obj files)\n");
   for (const ProceduralScene& scene : procedural_scenes()) {
     fmt::print("  {:<17} {} (default scale {})\n", scene.name, scene.description, scene.default_scale);
   }

@@ -22,10 +22,10 @@ void add_scale_option(CLI::App& app, Arguments& a) {
 }
 
 void add_scene_options(CLI::App& app, Arguments& a) {
-  app.add_option(
-         "--scenes", a.options.scenes,
-         "Names of built-in scenes (see list), paper (its six), all, or .glb and .gltf files; separated "
-         "by commas")
+  app.add_option("--scenes", a.options.scenes,
+                 "Names of built-in scenes (see list), paper (its six), all, .glb and .gltf files, or .obj "
+                 "files (one "
+                 "for each step: walk_%04d.obj, or a folder); separated by commas")
       ->delimiter(',')
       ->capture_default_str();
   add_scale_option(app, a);

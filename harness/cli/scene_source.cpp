@@ -8,6 +8,7 @@
 
 #include "harness/cli/closest_name.h"
 #include "harness/cli/usage_error.h"
+#include "harness/scenes/obj/obj_sequence.h"
 #include "harness/scenes/procedural/mesh_tools.h"
 #include "harness/scenes/procedural/procedural.h"
 
@@ -31,6 +32,12 @@ SceneSource file_source(const std::string& name, const GltfOptions& gltf) {
   if (!std::filesystem::exists(name)) throw UsageError(fmt::format("There is no file \"{}\".", name));
   const std::string stem = std::filesystem::path(name).stem().string();
   return {stem, [=] { return checked(load_gltf(name, gltf), stem); }};
+}
+
+SceneSource obj_source(const std::string& name) {
+  const std::string scene_name = obj_scene_name(name);
+  find_obj_files(name);  // before anything is measured
+  return {scene_name, [=] { return checked(load_obj(name), scene_name); }};
 }
 
 SceneSource built_in_source(const std::string& name, const Options& options) {
@@ -60,6 +67,10 @@ Scene checked(Scene scene, const std::string& name) {
 std::vector<SceneSource> find_scenes(const Options& options) {
   std::vector<SceneSource> sources;
   for (const std::string& name : options.scenes) {
+    if (find_procedural_scene(name) == nullptr && is_obj_name(name)) {
+      sources.push_back(obj_source(name));
+      continue;
+    }
     sources.push_back(is_file_name(name) ? file_source(name, options.gltf) : built_in_source(name, options));
   }
   return sources;

@@ -17,7 +17,8 @@ struct SceneSource {
   std::function<Scene()> load;  ///< throws UsageError or SceneFileError
 };
 
-/// Throws UsageError for names that are neither a built-in scene nor a .glb or .gltf file that exists.
+/// Throws UsageError for names that are neither a built-in scene nor a .glb or .gltf file that exists, and
+/// SceneFileError for OBJ files that make no sequence.
 std::vector<SceneSource> find_scenes(const Options& options);
 
 /// `scene`, named `name`. Throws UsageError for what no ray can be sent through.

@@ -20,9 +20,6 @@ namespace stbvh::harness {
 namespace gltf {
 namespace {
 
-/// Most bytes of vertex buffers that one file may grow to: what the largest machine of the measurements has.
-constexpr std::size_t kMaxSceneBytes = std::size_t{24} << 30;
-
 /// Equidistant times of the steps, in seconds.
 std::vector<double> step_times(const std::optional<Clip>& clip, const GltfOptions& options) {
   double begin = clip ? clip->begin : 0, end = clip ? clip->end : 0;
@@ -89,8 +86,8 @@ std::vector<Mesh> make_meshes(const tinygltf::Model& model, const NodeTree& tree
       std::optional<Primitive> primitive = read_primitive(model, node, sources[i]);
       if (!primitive) continue;
       bytes += primitive->vertex_count() * sizeof(Vec3f) * poses.size();
-      if (bytes > kMaxSceneBytes)
-        fail("its vertices need more than {} GB with {} steps", kMaxSceneBytes >> 30, poses.size());
+      if (bytes > kMaxSceneFileBytes)
+        fail("its vertices need more than {} GB with {} steps", kMaxSceneFileBytes >> 30, poses.size());
       Mesh& mesh = meshes.emplace_back();
       mesh.name = mesh_name(model, node, i);
       mesh.material.color = base_color(model, sources[i].material);

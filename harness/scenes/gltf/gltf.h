@@ -4,17 +4,12 @@
 #include <cstddef>
 #include <filesystem>
 #include <optional>
-#include <stdexcept>
 #include <string>
 
 #include "harness/scenes/scene.h"
+#include "harness/scenes/scene_file.h"
 
 namespace stbvh::harness {
-
-/// A file that is missing, broken or needs what is not supported; what() is one sentence for the user.
-struct SceneFileError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 struct GltfOptions {
   std::string clip;                          ///< name or index of the animation; empty: the first
