@@ -54,8 +54,8 @@ struct RefinementTarget {
 /// et al. 1998), by OpenSubdiv: the same level everywhere, the same topology in all steps, each vertex at its
 /// limit position (creases that are left at the last level count as sharp for ever). The refinement is worked
 /// out once, and applied to the steps in parallel; the result does not depend on the number of threads.
-/// Vertices that no triangle uses are left out. Throws std::invalid_argument, in one sentence, for cages that
-/// are not sound and for targets beyond these limits.
+/// Vertices that no triangle uses are left out; at level 0 the others stand in the cage's order. Throws
+/// std::invalid_argument, in one sentence, for cages that are not sound and for targets beyond these limits.
 Mesh refine(const SubdivisionCage& cage, const RefinementTarget& target);
 
 }  // namespace stbvh::harness
