@@ -1,9 +1,11 @@
 #include "harness/cli/scene_source.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 
 #include "harness/cli/closest_name.h"
@@ -31,7 +33,7 @@ bool is_file_name(const std::string& name) {
 SceneSource file_source(const std::string& name, const GltfOptions& gltf) {
   if (!std::filesystem::exists(name)) throw UsageError(fmt::format("There is no file \"{}\".", name));
   const std::string stem = std::filesystem::path(name).stem().string();
-  return {stem, [=] { return checked(load_gltf(name, gltf), stem); }};
+  return {stem, [=] { return checked(load_gltf(name, gltf, print_warning), stem); }};
 }
 
 SceneSource obj_source(const std::string& name) {
@@ -62,6 +64,11 @@ Scene checked(Scene scene, const std::string& name) {
   }
   if (!(length(size) > 0)) throw UsageError(fmt::format("The scene \"{}\" has no extent.", name));
   return scene;
+}
+
+void print_warning(const std::string& sentence) {
+  const bool is_terminal = isatty(STDERR_FILENO) != 0;  // where a line of Progress may stand
+  fmt::print(stderr, "{}stbvh-ab: {}\n", is_terminal ? "\r\x1b[K" : "", sentence);
 }
 
 std::vector<SceneSource> find_scenes(const Options& options) {

@@ -24,6 +24,9 @@ std::vector<SceneSource> find_scenes(const Options& options);
 /// `scene`, named `name`. Throws UsageError for what no ray can be sent through.
 Scene checked(Scene scene, const std::string& name);
 
+/// A line on stderr for what a scene is shown without.
+void print_warning(const std::string& sentence);
+
 SceneSummary summarize(const Scene& scene);
 
 /// Length of the diagonal of the scene's bounds.
