@@ -28,6 +28,8 @@ struct Arguments {
   std::vector<std::string> rays{"primary", "bounce", "uniform", "shadow"};
   double scale = 0;
   std::string shutter;
+  std::string shutter_mode = "clamp";
+  std::string steps = "9";
   std::string size;
   std::string json;
   std::string plot;

@@ -52,7 +52,7 @@ void run(const Options& options) {
 }  // namespace
 
 void run_list() {
-  fmt::print("scenes (or a .glb, .gltf, .xml or .ecs file)\n");
+  fmt::print("scenes (or a .glb, .gltf, .xml or .ecs file, or .obj files)\n");
   for (const ProceduralScene& scene : procedural_scenes()) {
     fmt::print("  {:<17} {} (default scale {})\n", scene.name, scene.description, scene.default_scale);
   }

@@ -27,14 +27,21 @@ void add_making_options(CLI::App& app, Arguments& a) {
   app.add_option("--seed", a.options.seed, "Seed of scenes and rays")->capture_default_str();
   app.add_option("--clip", a.options.gltf.clip, "glTF: name or number of the animation. Default: the first");
   app.add_option("--shutter", a.shutter, "glTF: A,B, the part of the clip in seconds. Default: all of it");
-  app.add_option("--steps", a.options.gltf.steps, "glTF: steps of each moving mesh")->capture_default_str();
+  app.add_option("--shutter-mode", a.shutter_mode,
+                 "glTF: where the shutter is longer than the clip: clamp (its ends are held) or loop (it is "
+                 "played again)")
+      ->capture_default_str();
+  app.add_option("--steps", a.steps,
+                 "glTF: steps of each moving mesh; or auto:E, for each mesh as few as keep it within E times "
+                 "the diagonal of its true motion, as in auto:1e-3")
+      ->capture_default_str();
 }
 
 void add_scene_options(CLI::App& app, Arguments& a) {
   app.add_option(
          "--scenes", a.options.scenes,
-         "Names of built-in scenes (see list), paper (its six), all, or .glb, .gltf, .xml (Embree's) and "
-         ".ecs files; separated by commas")
+         "Names of built-in scenes (see list), paper (its six), all, .glb, .gltf, .xml (Embree's) and .ecs "
+         "files, or .obj files (one for each step: walk_%04d.obj, or a folder); separated by commas")
       ->delimiter(',')
       ->capture_default_str();
   add_making_options(app, a);

@@ -11,6 +11,7 @@
 #include "harness/cli/closest_name.h"
 #include "harness/cli/usage_error.h"
 #include "harness/scenes/embree_xml/embree_xml.h"
+#include "harness/scenes/obj/obj_sequence.h"
 #include "harness/scenes/procedural/mesh_tools.h"
 #include "harness/scenes/procedural/procedural.h"
 
@@ -44,7 +45,13 @@ SceneSource file_source(const std::string& name, const GltfOptions& gltf) {
   const std::string stem = std::filesystem::path(name).stem().string();
   if (is_embree_file(name))
     return {stem, [=] { return checked(load_embree_xml(name, print_warning), stem); }};
-  return {stem, [=] { return checked(load_gltf(name, gltf), stem); }};
+  return {stem, [=] { return checked(load_gltf(name, gltf, print_warning), stem); }};
+}
+
+SceneSource obj_source(const std::string& name) {
+  const std::string scene_name = obj_scene_name(name);
+  find_obj_files(name);  // before anything is measured
+  return {scene_name, [=] { return checked(load_obj(name), scene_name); }};
 }
 
 SceneSource built_in_source(const std::string& name, const Options& options) {
@@ -79,6 +86,10 @@ void print_warning(const std::string& sentence) {
 std::vector<SceneSource> find_scenes(const Options& options) {
   std::vector<SceneSource> sources;
   for (const std::string& name : options.scenes) {
+    if (find_procedural_scene(name) == nullptr && is_obj_name(name)) {
+      sources.push_back(obj_source(name));
+      continue;
+    }
     sources.push_back(is_file_name(name) ? file_source(name, options.gltf) : built_in_source(name, options));
   }
   return sources;

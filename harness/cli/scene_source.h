@@ -18,7 +18,7 @@ struct SceneSource {
 };
 
 /// Throws UsageError for names that are neither a built-in scene nor a .glb, .gltf, .xml or .ecs file that
-/// exists.
+/// exists, and SceneFileError for OBJ files that make no sequence.
 std::vector<SceneSource> find_scenes(const Options& options);
 
 /// `scene`, named `name`. Throws UsageError for what no ray can be sent through.

@@ -5,10 +5,7 @@
 #include <cmath>
 #include <string_view>
 
-#if __has_include("harness/scenes/subdivision/subdivision.h")
 #include "harness/scenes/subdivision/subdivision.h"
-#define STBVH_HAS_SUBDIVISION 1
-#endif
 
 namespace stbvh::harness::embree_xml {
 namespace {
@@ -164,7 +161,6 @@ Mesh read_triangle_light(Document& document, pugi::xml_node element) {
   return lamp(document, element, {0, 1, 2}, kCorners);
 }
 
-#ifdef STBVH_HAS_SUBDIVISION
 namespace {
 
 SubdivisionCage::Boundary boundary_of(pugi::xml_node indices, const Warn& warn) {
@@ -215,10 +211,5 @@ Mesh read_subdivision_mesh(Document& document, pugi::xml_node element, const War
     fail(element, "a <SubdivisionMesh> cannot be refined: {}", bad_cage.what());
   }
 }
-#else
-Mesh read_subdivision_mesh(Document&, pugi::xml_node element, const Warn&) {
-  fail(element, "subdivision surfaces are not supported");
-}
-#endif
 
 }  // namespace stbvh::harness::embree_xml
