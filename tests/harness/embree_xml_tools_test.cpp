@@ -308,6 +308,19 @@ TEST_F(EmbreeXmlTools, ConvertCommand) {
   EXPECT_EQ(used.exit_code, 0) << used.out;
 }
 
+TEST_F(EmbreeXmlTools, ConvertLeavesBuffersOfOthersAlone) {
+  const std::string command = "convert train --scale 0.002 -o " + (folder / "a.xml").string();
+  write("a.bin", "mine");
+  EXPECT_EQ(stbvh_ab(command).exit_code, 2);
+  write("a.xml", "");
+  write("a.gltf", "");
+  EXPECT_EQ(stbvh_ab(command).exit_code, 2);
+  EXPECT_EQ(fs::file_size(folder / "a.bin"), 4u);
+  fs::remove(folder / "a.gltf");
+  EXPECT_EQ(stbvh_ab(command).exit_code, 0);
+  EXPECT_GT(fs::file_size(folder / "a.bin"), 4u);
+}
+
 TEST_F(EmbreeXmlTools, ConvertRefuses) {
   const std::string at = folder.string();
   EXPECT_EQ(stbvh_ab("convert train").exit_code, 2);
@@ -320,12 +333,13 @@ TEST_F(EmbreeXmlTools, ConvertRefuses) {
   const Outcome nothing = stbvh_ab("convert " + at + "/s.xml -o " + at + "/t.xml");
   EXPECT_EQ(nothing.exit_code, 2);
   EXPECT_NE(nothing.out.find("1 <Points>"), std::string::npos) << nothing.out;
-  // A full disk behind the binary file: the text does not appear.
+  // A full disk behind the binary file: the text stays what it was.
   fs::create_symlink("/dev/full", folder / "t.bin");
+  write("t.xml", "old");
   const Outcome full = stbvh_ab("convert train --scale 0.002 -o " + at + "/t.xml");
   EXPECT_EQ(full.exit_code, 2) << full.out;
   EXPECT_NE(full.out.find("No space left"), std::string::npos) << full.out;
-  EXPECT_FALSE(fs::exists(folder / "t.xml"));
+  EXPECT_EQ(fs::file_size(folder / "t.xml"), 3u);
   for (const fs::directory_entry& entry : fs::directory_iterator(folder))
     EXPECT_NE(entry.path().extension(), ".partial") << entry.path();
 }
