@@ -59,6 +59,32 @@ void check_scale(Arguments& a, const CLI::App& command) {
   a.options.scale = a.scale;
 }
 
+/// A number of steps, or auto:E.
+void check_steps(const std::string& steps, GltfOptions& gltf) {
+  constexpr std::string_view kAuto = "auto:";
+  if (steps.starts_with(kAuto)) {
+    const auto share = parse_number(std::string_view(steps).substr(kAuto.size()));
+    if (!share || !(*share > 0) || !(*share < 1)) {
+      throw UsageError(
+          fmt::format("--steps auto:E takes an E between 0 and 1, as in auto:1e-3, not \"{}\".", steps));
+    }
+    gltf.largest_deviation = *share;
+    return;
+  }
+  const auto count = parse_number(steps);
+  if (!count || !(*count >= 1) || !(*count <= double{kMaxSteps}) || *count != std::floor(*count)) {
+    throw UsageError(fmt::format("--steps must be 1 to {}, or auto:E, not \"{}\".", kMaxSteps, steps));
+  }
+  gltf.steps = static_cast<std::size_t>(*count);
+}
+
+void check_shutter_mode(const std::string& mode, GltfOptions& gltf) {
+  constexpr std::array<std::string_view, 2> kModes{"clamp", "loop"};
+  const auto known = std::find(kModes.begin(), kModes.end(), mode);
+  if (known == kModes.end()) throw UsageError(unknown_name("shutter mode", mode, kModes));
+  gltf.shutter_mode = known == kModes.begin() ? ShutterMode::kClamp : ShutterMode::kLoop;
+}
+
 void check_scenes(Arguments& a, const CLI::App& command) {
   Options& o = a.options;
   o.scenes = named_scenes(o.scenes);
@@ -70,9 +96,8 @@ void check_scenes(Arguments& a, const CLI::App& command) {
     }
     o.gltf.shutter_seconds = TimeRange{static_cast<float>(begin), static_cast<float>(end)};
   }
-  if (o.gltf.steps < 1 || o.gltf.steps > kMaxSteps) {
-    throw UsageError(fmt::format("--steps must be 1 to {}, not {}.", kMaxSteps, o.gltf.steps));
-  }
+  check_shutter_mode(a.shutter_mode, o.gltf);
+  check_steps(a.steps, o.gltf);
 }
 
 void check_structures(Options& o) {
@@ -231,6 +256,15 @@ void check_render(Arguments& a, const CLI::App& command) {
   check_render_options(a, command);
 }
 
+void check_convert(Arguments& a) {
+  Options& o = a.options;
+  o.command = Command::kConvert;
+  if (o.scenes.size() != 1) throw UsageError("convert takes one scene at a time.");
+  o.converted = a.converted;
+  if (o.converted.extension() != ".xml")
+    throw UsageError(fmt::format("convert writes .xml files, not \"{}\".", a.converted));
+}
+
 }  // namespace
 
 std::pair<double, double> parse_pair(std::string_view text, char separator, std::string_view option) {
@@ -299,6 +333,10 @@ Options checked_options(Arguments a, const CLI::App& command) {
   if (name == "render") {
     a.options.command = Command::kRender;
     check_render(a, command);
+    return a.options;
+  }
+  if (name == "convert") {
+    check_convert(a);
     return a.options;
   }
   a.options.command = name == "bench" ? Command::kBench : Command::kError;

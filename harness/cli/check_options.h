@@ -29,12 +29,15 @@ struct Arguments {
   std::vector<std::string> rays{"primary", "bounce", "uniform", "shadow"};
   double scale = 0;
   std::string shutter;
+  std::string shutter_mode = "clamp";
+  std::string steps = "9";
   std::string size;
   std::string json;
   std::string plot;
   std::string difference_png;
   std::string from;
   std::string directory;
+  std::string converted;
   std::string over;
   std::string scene = "cloth";
   std::string output;

@@ -51,13 +51,15 @@ void run(const Options& options) {
       return run_truth(options);
     case Command::kReport:
       return run_report(options);
+    case Command::kConvert:
+      return run_convert(options);
   }
 }
 
 }  // namespace
 
 void run_list() {
-  fmt::print("scenes (or a .glb or .gltf file)\n");
+  fmt::print("scenes (or a .glb, .gltf, .xml or .ecs file, or .obj files)\n");
   for (const ProceduralScene& scene : procedural_scenes()) {
     fmt::print("  {:<17} {} (default scale {})\n", scene.name, scene.description, scene.default_scale);
   }

@@ -27,6 +27,8 @@ void run_truth(const Options& options);
 /// Runs the other commands for what is not there yet, then writes the page. Throws WrongAnswers after that
 /// where a structure of ours was wrong, ScriptFailure where a command failed, which has said why.
 void run_report(const Options& options);
+/// Writes a scene as XML for Embree's own tools; prints the files' names.
+void run_convert(const Options& options);
 
 /// The whole program: runs the command of a command line, prints one line on stderr for what cannot be done.
 /// Returns the exit code: 0 done; 2 the user asked for what cannot be done; 1 it went wrong,

@@ -23,18 +23,43 @@ void add_scale_option(CLI::App& app, Arguments& a) {
       "(see list)");
 }
 
-void add_scene_options(CLI::App& app, Arguments& a) {
-  app.add_option(
-         "--scenes", a.options.scenes,
-         "Names of built-in scenes (see list), paper (its six), all, or .glb and .gltf files; separated "
-         "by commas")
-      ->delimiter(',')
-      ->capture_default_str();
+/// How a scene is made that is named elsewhere.
+void add_making_options(CLI::App& app, Arguments& a) {
   add_scale_option(app, a);
   app.add_option("--seed", a.options.seed, "Seed of scenes and rays")->capture_default_str();
   app.add_option("--clip", a.options.gltf.clip, "glTF: name or number of the animation. Default: the first");
   app.add_option("--shutter", a.shutter, "glTF: A,B, the part of the clip in seconds. Default: all of it");
-  app.add_option("--steps", a.options.gltf.steps, "glTF: steps of each moving mesh")->capture_default_str();
+  app.add_option("--shutter-mode", a.shutter_mode,
+                 "glTF: where the shutter is longer than the clip: clamp (its ends are held) or loop (it is "
+                 "played again)")
+      ->capture_default_str();
+  app.add_option("--steps", a.steps,
+                 "glTF: steps of each moving mesh; or auto:E, for each mesh as few as keep it within E times "
+                 "the diagonal of its true motion, as in auto:1e-3")
+      ->capture_default_str();
+}
+
+void add_scene_options(CLI::App& app, Arguments& a) {
+  app.add_option(
+         "--scenes", a.options.scenes,
+         "Names of built-in scenes (see list), paper (its six), all, .glb, .gltf, .xml (Embree's) and .ecs "
+         "files, or .obj files (one for each step: walk_%04d.obj, or a folder); separated by commas")
+      ->delimiter(',')
+      ->capture_default_str();
+  add_making_options(app, a);
+}
+
+void add_convert(CLI::App& app, Arguments& a) {
+  CLI::App& convert =
+      *app.add_subcommand("convert", "Write a scene as XML that Embree's pathtracer and viewer show");
+  convert.add_option("scene", a.options.scenes, "A built-in scene (see list) or a file, as in --scenes")
+      ->expected(1)
+      ->required();
+  convert
+      .add_option("-o,--output", a.converted,
+                  "File.xml; for a large scene, a File.bin beside it has positions and triangles")
+      ->required();
+  add_making_options(convert, a);
 }
 
 void add_common_options(CLI::App& app, Arguments& a, const std::string& default_structures) {
@@ -231,6 +256,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   add_compare(app, a);
   add_truth(app, a);
   add_report(app, a);
+  add_convert(app, a);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {

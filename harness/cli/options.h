@@ -33,7 +33,8 @@ enum class Command {
   kCharts,
   kCompare,
   kReport,
-  kTruth
+  kTruth,
+  kConvert
 };
 
 /// What a scaling run varies.
@@ -73,6 +74,7 @@ struct Options {
   std::optional<std::filesystem::path> from;  ///< what report need not measure
   bool quick = false;
   std::string command_line;  ///< that these options were read from
+  std::filesystem::path converted;  ///< the file that convert writes, .xml
 };
 
 /// Options from a command line; empty if help or version was asked for and printed. Throws UsageError.

@@ -1,13 +1,17 @@
 #include "harness/cli/scene_source.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 
 #include "harness/cli/closest_name.h"
 #include "harness/cli/usage_error.h"
+#include "harness/scenes/embree_xml/embree_xml.h"
+#include "harness/scenes/obj/obj_sequence.h"
 #include "harness/scenes/procedural/mesh_tools.h"
 #include "harness/scenes/procedural/procedural.h"
 
@@ -20,17 +24,34 @@ Vec3 extent(const Scene& scene) {
           static_cast<double>(box.upper.z) - box.lower.z};
 }
 
-bool is_file_name(const std::string& name) {
+/// In lower case, with its dot; empty where there is none.
+std::string extension_of(const std::string& name) {
   std::string extension = std::filesystem::path(name).extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".glb" || extension == ".gltf";
+  return extension;
+}
+
+bool is_embree_file(const std::string& name) {
+  return extension_of(name) == ".xml" || extension_of(name) == ".ecs";
+}
+
+bool is_file_name(const std::string& name) {
+  return extension_of(name) == ".glb" || extension_of(name) == ".gltf" || is_embree_file(name);
 }
 
 SceneSource file_source(const std::string& name, const GltfOptions& gltf) {
   if (!std::filesystem::exists(name)) throw UsageError(fmt::format("There is no file \"{}\".", name));
   const std::string stem = std::filesystem::path(name).stem().string();
-  return {stem, [=] { return checked(load_gltf(name, gltf), stem); }};
+  if (is_embree_file(name))
+    return {stem, [=] { return checked(load_embree_xml(name, print_warning), stem); }};
+  return {stem, [=] { return checked(load_gltf(name, gltf, print_warning), stem); }};
+}
+
+SceneSource obj_source(const std::string& name) {
+  const std::string scene_name = obj_scene_name(name);
+  find_obj_files(name);  // before anything is measured
+  return {scene_name, [=] { return checked(load_obj(name), scene_name); }};
 }
 
 SceneSource built_in_source(const std::string& name, const Options& options) {
@@ -57,9 +78,18 @@ Scene checked(Scene scene, const std::string& name) {
   return scene;
 }
 
+void print_warning(const std::string& sentence) {
+  const bool is_terminal = isatty(STDERR_FILENO) != 0;  // where a line of Progress may stand
+  fmt::print(stderr, "{}stbvh-ab: {}\n", is_terminal ? "\r\x1b[K" : "", sentence);
+}
+
 std::vector<SceneSource> find_scenes(const Options& options) {
   std::vector<SceneSource> sources;
   for (const std::string& name : options.scenes) {
+    if (find_procedural_scene(name) == nullptr && is_obj_name(name)) {
+      sources.push_back(obj_source(name));
+      continue;
+    }
     sources.push_back(is_file_name(name) ? file_source(name, options.gltf) : built_in_source(name, options));
   }
   return sources;

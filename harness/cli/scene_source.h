@@ -17,11 +17,15 @@ struct SceneSource {
   std::function<Scene()> load;  ///< throws UsageError or SceneFileError
 };
 
-/// Throws UsageError for names that are neither a built-in scene nor a .glb or .gltf file that exists.
+/// Throws UsageError for names that are neither a built-in scene nor a .glb, .gltf, .xml or .ecs file that
+/// exists, and SceneFileError for OBJ files that make no sequence.
 std::vector<SceneSource> find_scenes(const Options& options);
 
 /// `scene`, named `name`. Throws UsageError for what no ray can be sent through.
 Scene checked(Scene scene, const std::string& name);
+
+/// A line on stderr for what a scene is shown without.
+void print_warning(const std::string& sentence);
 
 SceneSummary summarize(const Scene& scene);
 

@@ -26,8 +26,16 @@ class OpenFile {
 
   bool is_open() const { return descriptor_ >= 0; }
 
-  /// Whether all of `bytes` arrived, also on the disk where there is one. A failure is in errno.
-  bool write_all(std::string_view bytes) {
+  /// Whether all parts arrived, also on the disk where there is one. A failure is in errno.
+  bool write_all(std::span<const std::string_view> parts) {
+    for (const std::string_view part : parts) {
+      if (!write_part(part)) return false;
+    }
+    return fsync(descriptor_) == 0 || errno == EINVAL || errno == EROFS;
+  }
+
+ private:
+  bool write_part(std::string_view bytes) {
     std::size_t done = 0;
     while (done < bytes.size()) {
       const ssize_t n = write(descriptor_, bytes.data() + done, bytes.size() - done);
@@ -35,10 +43,9 @@ class OpenFile {
       if (n <= 0) return false;
       done += static_cast<std::size_t>(n);
     }
-    return fsync(descriptor_) == 0 || errno == EINVAL || errno == EROFS;
+    return true;
   }
 
- private:
   int descriptor_;
 };
 
@@ -70,6 +77,32 @@ fs::path temporary_beside(const fs::path& target) {
 
 constexpr int kNewFile = O_WRONLY | O_CREAT | O_EXCL;
 
+/// A file that is written whole, under its temporary name; gone with its owner unless it appeared.
+class PendingFile {
+ public:
+  explicit PendingFile(const FileContent& file)
+      : path_(file.path), target_(target_of(file.path)), temporary_(temporary_beside(target_)) {
+    OpenFile stream(temporary_, kNewFile);
+    if (!stream.is_open()) fail(path_, errno);
+    if (stream.write_all(file.parts)) return;
+    const int error = errno;
+    unlink(temporary_.c_str());
+    fail(path_, error);
+  }
+  PendingFile(PendingFile&& other) noexcept = default;
+  ~PendingFile() {
+    if (!temporary_.empty()) unlink(temporary_.c_str());
+  }
+
+  void appear() {
+    if (rename(temporary_.c_str(), target_.c_str()) != 0) fail(path_, errno);
+    temporary_.clear();
+  }
+
+ private:
+  fs::path path_, target_, temporary_;  // a moved-from path is empty
+};
+
 }  // namespace
 
 void check_writable(const fs::path& path) {
@@ -86,20 +119,22 @@ void check_writable(const fs::path& path) {
 }
 
 void write_file(const fs::path& path, std::string_view bytes) {
-  if (is_special(path)) {
-    OpenFile file(path, O_WRONLY);
-    if (!file.is_open() || !file.write_all(bytes)) fail(path, errno);
-    return;
+  const FileContent file{path, {bytes}};
+  write_files({&file, 1});
+}
+
+void write_files(std::span<const FileContent> files) {
+  std::vector<PendingFile> pending;
+  pending.reserve(files.size());
+  for (const FileContent& file : files) {
+    if (!is_special(file.path)) {
+      pending.emplace_back(file);
+      continue;
+    }
+    OpenFile special(file.path, O_WRONLY);
+    if (!special.is_open() || !special.write_all(file.parts)) fail(file.path, errno);
   }
-  const fs::path target = target_of(path);
-  const fs::path temporary = temporary_beside(target);
-  OpenFile file(temporary, kNewFile);
-  if (!file.is_open()) fail(path, errno);
-  if (!file.write_all(bytes) || rename(temporary.c_str(), target.c_str()) != 0) {
-    const int error = errno;
-    unlink(temporary.c_str());
-    fail(path, error);
-  }
+  for (PendingFile& file : pending) file.appear();
 }
 
 }  // namespace stbvh::harness

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <stdexcept>
 #include <string_view>
+#include <vector>
 
 namespace stbvh::harness {
 
@@ -19,5 +21,14 @@ void check_writable(const std::filesystem::path& path);
 /// or not at all. A link stays a link. What is not a regular file (a device, a pipe) is written to directly.
 /// Throws OutputFileError.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
+
+/// A file to be written; its parts stand one behind the other.
+struct FileContent {
+  std::filesystem::path path;
+  std::vector<std::string_view> parts;
+};
+
+/// The same for files that need each other: none is renamed before all are written.
+void write_files(std::span<const FileContent> files);
 
 }  // namespace stbvh::harness

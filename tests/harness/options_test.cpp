@@ -38,6 +38,15 @@ TEST(SceneOptions, NameEachSceneOnce) {
   EXPECT_EQ(parse({"bench", "--scenes", "crowd,paper,crowd"}).scenes, expected);
 }
 
+TEST(GltfOptions, StepsAreANumberOrADeviation) {
+  EXPECT_EQ(parse({"bench"}).gltf.steps, 9u);
+  EXPECT_FALSE(parse({"bench"}).gltf.largest_deviation.has_value());
+  EXPECT_EQ(parse({"bench", "--steps", "129"}).gltf.steps, 129u);
+  EXPECT_EQ(parse({"bench", "--steps", "auto:1e-3"}).gltf.largest_deviation, 1e-3);
+  EXPECT_EQ(parse({"bench"}).gltf.shutter_mode, ShutterMode::kClamp);
+  EXPECT_EQ(parse({"bench", "--shutter-mode", "loop"}).gltf.shutter_mode, ShutterMode::kLoop);
+}
+
 TEST(ThreadOptions, AreAllCoresOrAListOfCounts) {
   EXPECT_EQ(parse({"bench"}).thread_counts, std::vector<unsigned>{usable_core_count()});
   EXPECT_EQ(parse({"bench"}).threads, usable_core_count());

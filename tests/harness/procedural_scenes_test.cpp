@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "harness/scenes/procedural/body_cage.h"
 #include "harness/scenes/procedural/implicit_body.h"
 #include "harness/scenes/procedural/mesh_tools.h"
 #include "harness/scenes/procedural/procedural.h"
@@ -250,10 +251,41 @@ TEST(ProceduralScenes, TheBarbariansSwordSweepsALargeArc) {
   EXPECT_GT(off_the_chord, 0.4);
 }
 
-TEST(ImplicitBody, ItsSurfaceIsClosedAndOutward) {
+ImplicitBody two_blobs() {
   ImplicitBody body;
   body.add({{0, 0, 0}, {0.6, 0.2, 0}, 0.3, 0.15, 0, 0.05});
   body.add({{-0.1, 0.4, 0}, {-0.1, 0.8, 0.1}, 0.12, 0.2, 0, 0.1, {1, 1, 0.6}});
+  return body;
+}
+
+TEST(BodyCage, TheRefinedCageIsTheBody) {
+  const ImplicitBody body = two_blobs();
+  Skeleton skeleton;
+  skeleton.add(kNoJoint, {0, 0, 0});
+  const std::vector<std::vector<Rigid>> transforms{{translation({0, 0, 0})}, {translation({0, 3, 0})}};
+  for (const auto& [triangles, level] : {std::pair{5'000u, 0u}, {40'000u, 1u}, {150'000u, 2u}}) {
+    const BodyCage cage = make_body_cage(body, skeleton, triangles);
+    EXPECT_EQ(cage.level, level) << triangles;
+    const RefinedBody refined = refine_body(cage, transforms);
+    const double count = static_cast<double>(refined.moving.triangle_count());
+    EXPECT_NEAR(count, triangles, 0.03 * triangles);
+    ASSERT_EQ(refined.moving.steps.size(), 2u);
+    double farthest = 0;
+    for (std::size_t v = 0; v < refined.rest.size(); ++v) {
+      const Vec3f p = refined.rest[v], moved = refined.moving.steps[1][v];
+      farthest = std::fmax(farthest, std::abs(body.distance({p.x, p.y, p.z})));
+      EXPECT_NEAR(moved.y, p.y + 3, 1e-6f);
+    }
+    EXPECT_LT(farthest, 2e-3);
+    const Mesh left = refined.select("left", {}, [](Vec3 p) { return p.x < 0; });
+    const Mesh right = refined.select("right", {}, [](Vec3 p) { return p.x >= 0; });
+    EXPECT_EQ(left.triangle_count() + right.triangle_count(), refined.moving.triangle_count());
+    for (const std::uint32_t i : right.indices) EXPECT_GT(right.steps[0][i].x, -0.05f);
+  }
+}
+
+TEST(ImplicitBody, ItsSurfaceIsClosedAndOutward) {
+  const ImplicitBody body = two_blobs();
   const Shape shape = polygonise_to_count(body, 5000);
   EXPECT_NEAR(static_cast<double>(shape.triangle_count()), 5000, 150);
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> edges;

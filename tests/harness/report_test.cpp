@@ -108,6 +108,21 @@ TEST_F(OutputFile, LinksStayLinks) {
   EXPECT_EQ(content(directory_ / "a.json"), "two");
 }
 
+TEST_F(OutputFile, FilesThatNeedEachOtherAppearTogether) {
+  const auto a = directory_ / "a.xml", b = directory_ / "b.bin";
+  const std::vector<FileContent> both{{a, {"one ", "", "two"}}, {b, {}}};
+  write_files(both);
+  EXPECT_EQ(content(a), "one two");
+  EXPECT_EQ(std::filesystem::file_size(b), 0u);
+  for (const std::filesystem::path& bad :
+       {directory_ / "none" / "b.bin", std::filesystem::path("/dev/full")}) {
+    const std::vector<FileContent> one_fails{{a, {"new"}}, {bad, {"x"}}};
+    EXPECT_THROW(write_files(one_fails), OutputFileError);
+    EXPECT_EQ(content(a), "one two");
+  }
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory_), {}), 2);
+}
+
 TEST_F(OutputFile, UnwritablePlacesAreRefused) {
   EXPECT_THROW(check_writable(directory_ / "none" / "a.json"), OutputFileError);
   EXPECT_THROW(check_writable(directory_), OutputFileError);

@@ -139,9 +139,11 @@ Influences read_influences(const tinygltf::Model& model, const tinygltf::Primiti
   return influences;
 }
 
-/// The matrix of each joint; a skin's own node does not appear in it.
-std::vector<Affine> joint_matrices(const Skin& skin, const Pose& pose) {
+/// The matrix of each joint; a skin's own node does not appear in it. None without a skin.
+std::vector<Affine> joint_matrices(const Primitive& primitive, const Pose& pose) {
   std::vector<Affine> matrices;
+  if (!primitive.skin) return matrices;
+  const Skin& skin = *primitive.skin;
   for (std::size_t i = 0; i < skin.nodes.size(); ++i) {
     matrices.push_back(pose.world[skin.nodes[i]] * skin.inverse_bind[i]);
   }
@@ -174,6 +176,15 @@ float rounded(double value) {
   if (std::abs(value) <= kLargest || std::isnan(value)) return static_cast<float>(value);
   constexpr float kInfinity = std::numeric_limits<float>::infinity();
   return value > 0 ? kInfinity : -kInfinity;
+}
+
+/// A vertex of the primitive in world space.
+Vec3f place(const Primitive& primitive, const Pose& pose, const std::vector<Affine>& joints,
+            std::size_t vertex) {
+  const Vec3 p = morphed(primitive, pose.weights[primitive.node], vertex);
+  const Vec3 q = primitive.skin ? blended(primitive.influences, joints, vertex).apply(p)
+                                : pose.world[primitive.node].apply(p);
+  return {rounded(q[0]), rounded(q[1]), rounded(q[2])};
 }
 
 bool has_triangles(int mode) {
@@ -211,17 +222,15 @@ std::optional<Primitive> read_primitive(const tinygltf::Model& model, std::size_
 }
 
 VertexBuffer deform(const Primitive& primitive, const Pose& pose) {
-  const std::vector<double>& weights = pose.weights[primitive.node];
-  const std::vector<Affine> joints =
-      primitive.skin ? joint_matrices(*primitive.skin, pose) : std::vector<Affine>();
+  const std::vector<Affine> joints = joint_matrices(primitive, pose);
   VertexBuffer buffer(primitive.vertex_count());
-  for (std::size_t vertex = 0; vertex < primitive.vertex_count(); ++vertex) {
-    const Vec3 p = morphed(primitive, weights, vertex);
-    const Vec3 q = primitive.skin ? blended(primitive.influences, joints, vertex).apply(p)
-                                  : pose.world[primitive.node].apply(p);
-    buffer[vertex] = {rounded(q[0]), rounded(q[1]), rounded(q[2])};
-  }
+  for (std::size_t vertex = 0; vertex < primitive.vertex_count(); ++vertex)
+    buffer[vertex] = place(primitive, pose, joints, vertex);
   return buffer;
+}
+
+Vec3f deform_vertex(const Primitive& primitive, const Pose& pose, std::size_t vertex) {
+  return place(primitive, pose, joint_matrices(primitive, pose), vertex);
 }
 
 }  // namespace stbvh::harness::gltf

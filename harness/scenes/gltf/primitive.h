@@ -46,4 +46,7 @@ std::optional<Primitive> read_primitive(const tinygltf::Model& model, std::size_
 /// World-space positions: morphed, then skinned or moved with the node. In double, rounded once.
 VertexBuffer deform(const Primitive& primitive, const Pose& pose);
 
+/// One vertex of deform().
+Vec3f deform_vertex(const Primitive& primitive, const Pose& pose, std::size_t vertex);
+
 }  // namespace stbvh::harness::gltf

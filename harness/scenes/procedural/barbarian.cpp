@@ -1,6 +1,7 @@
 /// A muscular figure with a sword, beard and kilt: swinging it (barbarian), or turning half a turn.
 #include <algorithm>
 
+#include "harness/scenes/procedural/body_cage.h"
 #include "harness/scenes/procedural/human.h"
 #include "harness/scenes/procedural/scene_makers.h"
 #include "harness/scenes/procedural/scene_plan.h"
@@ -179,13 +180,13 @@ void add_barbarian(Scene& scene, std::size_t triangles, std::size_t steps, std::
   const auto transforms = transforms_over_steps(skeleton, pose, steps);
   const auto share = [&](double f) { return static_cast<std::size_t>(f * total); };
 
-  const SkinnedShape body = SkinnedShape::from(human.body, skeleton, share(kBodyShare));
+  const RefinedBody body = refine_body(make_body_cage(human.body, skeleton, share(kBodyShare)), transforms);
   const auto leather = [&](Vec3 p) {
     const double along_arm = length(Vec3{std::abs(p.x), p.y, p.z} - skeleton.rest[kShoulderL]);
     return p.y < 0.36 || (std::abs(p.x) > 0.3 && along_arm > 0.36 && along_arm < 0.5);
   };
-  add_mesh(scene, skin("skin", body.select([&](Vec3 p) { return !leather(p); }), transforms, kSkin));
-  add_mesh(scene, skin("boots and bracers", body.select(leather), transforms, kLeather));
+  add_mesh(scene, body.select("skin", kSkin, [&](Vec3 p) { return !leather(p); }));
+  add_mesh(scene, body.select("boots and bracers", kLeather, leather));
   const TrailingShape hair = make_hair(share(kHairShare), seed);
   add_mesh(scene, trail("hair", hair, skeleton, pose, steps, kHair));
   add_mesh(scene, skin("sword", make_sword(skeleton, share(kSwordShare)), transforms, kSteel));

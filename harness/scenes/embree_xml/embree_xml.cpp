@@ -1,0 +1,90 @@
+#include "harness/scenes/embree_xml/embree_xml.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <new>
+#include <set>
+
+#include "harness/scenes/embree_xml/ecs.h"
+#include "harness/scenes/embree_xml/node.h"
+#include "harness/scenes/embree_xml/problem.h"
+#include "harness/scenes/embree_xml/reader.h"
+#include "harness/scenes/gltf/framing.h"
+
+namespace stbvh::harness {
+namespace embree_xml {
+namespace {
+
+/// The camera of that name, or the first of all where it is empty.
+std::optional<Camera> chosen_camera(const FlatScene& flat, const std::string& name) {
+  const auto found = std::find_if(flat.cameras.begin(), flat.cameras.end(),
+                                  [&](const NamedCamera& c) { return name.empty() || c.name == name; });
+  if (found != flat.cameras.end()) return found->camera;
+  if (!name.empty()) throw Problem(fmt::format("there is no camera named \"{}\"", name));
+  return std::nullopt;
+}
+
+std::string lower_extension(const std::filesystem::path& file) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+Scene make_scene(FlatScene flat, const CommandList& list) {
+  Scene scene;
+  scene.meshes = std::move(flat.meshes);
+  if (scene.meshes.empty())
+    throw Problem("nothing in it can be shown: there are no triangles, quads or cages");
+  scene.directional_lights = std::move(flat.directional_lights);
+  scene.directional_lights.insert(scene.directional_lights.end(), list.directional_lights.begin(),
+                                  list.directional_lights.end());
+  std::optional<Vec3f> ambient = flat.ambient;
+  if (list.ambient) {
+    const Vec3f& a = *list.ambient;
+    const Vec3f sum = ambient.value_or(Vec3f{0, 0, 0});
+    ambient = Vec3f{sum.x + a.x, sum.y + a.y, sum.z + a.z};
+  }
+  if (ambient) scene.environment.emplace().radiance = *ambient;
+  const std::optional<Camera> camera = chosen_camera(flat, list.camera_name);
+  scene.camera = camera_of(list, camera ? *camera : gltf::framing_camera(scene));
+  return scene;
+}
+
+Scene load(const std::filesystem::path& file, const Warn& warn) {
+  CommandList list;
+  if (lower_extension(file) == ".ecs") {
+    list = read_command_list(file, warn);
+  } else {
+    list.scene_files = {file};
+  }
+  Node root;
+  for (const std::filesystem::path& scene_file : list.scene_files) {
+    if (lower_extension(scene_file) != ".xml")
+      throw Problem(fmt::format("\"{}\" is not an .xml file; no others are supported", scene_file.string()));
+    add_child(root, read_file(scene_file, warn));
+  }
+  Scene scene = make_scene(flatten(root), list);
+  scene.name = file.stem().string();
+  return scene;
+}
+
+}  // namespace
+}  // namespace embree_xml
+
+Scene load_embree_xml(const std::filesystem::path& file, const SceneWarning& warn) {
+  std::set<std::string> told;
+  const auto once = [&](const std::string& sentence) {
+    if (told.insert(sentence).second && warn) warn(sentence);
+  };
+  try {
+    return embree_xml::load(file, once);
+  } catch (const embree_xml::Problem& problem) {
+    throw SceneFileError(fmt::format("{}: {}", file.string(), problem.what()));
+  } catch (const std::bad_alloc&) {
+    throw SceneFileError(fmt::format("{}: there is not enough memory for it", file.string()));
+  }
+}
+
+}  // namespace stbvh::harness

@@ -1,0 +1,237 @@
+#include "harness/scenes/embree_xml/writer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <span>
+
+#include "harness/scenes/embree_xml/disc_light.h"
+#include "harness/scenes/procedural/mesh_tools.h"
+
+namespace stbvh::harness {
+namespace embree_xml {
+namespace {
+
+/// Bytes of positions and indices up to which they stand in the text, for people to read.
+constexpr std::size_t kMostTextBytes = 4096;
+/// The sun and the sky of a scene without light: nearly what `stbvh-ab picture` shows it under.
+constexpr Vec3f kSunIrradiance{5.2f, 4.9f, 4.2f};
+constexpr Vec3f kSkyRadiance{0.45f, 0.50f, 0.58f};
+
+Vec3 to_double(Vec3f v) {
+  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
+}
+
+std::string words(Vec3f v) {
+  return fmt::format("{} {} {}", v.x, v.y, v.z);
+}
+
+/// For attributes, in which Embree's loader refuses numbers below the least normal float.
+float without_denormal(float x) {
+  return std::fpclassify(x) == FP_SUBNORMAL ? 0.0f : x;
+}
+
+std::string attribute(Vec3f v) {
+  return words({without_denormal(v.x), without_denormal(v.y), without_denormal(v.z)});
+}
+
+bool is_black(Vec3f v) {
+  return v.x == 0 && v.y == 0 && v.z == 0;
+}
+
+bool has_light(const Scene& scene) {
+  return !scene.directional_lights.empty() || scene.environment ||
+         std::any_of(scene.meshes.begin(), scene.meshes.end(),
+                     [](const Mesh& mesh) { return !is_black(mesh.material.emission); });
+}
+
+/// High behind the camera, to its left, so that what it looks at is lit and casts shadows.
+DirectionalLight default_sun(const Camera& camera) {
+  const Vec3 up = normalize(to_double(camera.up));
+  const Vec3 right = normalize(cross(to_double(camera.target) - to_double(camera.position), up));
+  const Vec3 from = up - right * 0.62 + cross(right, up) * 0.45;
+  return {.direction = to_float(normalize(from) * -1.0), .irradiance = kSunIrradiance};
+}
+
+/// The mean over all directions.
+Vec3f mean_radiance(const Environment& environment) {
+  if (environment.width == 0) return environment.radiance;
+  Vec3 sum{0, 0, 0};
+  double weights = 0;
+  for (std::size_t y = 0; y < environment.height; ++y) {
+    const double weight =
+        std::sin(std::numbers::pi * (static_cast<double>(y) + 0.5) / static_cast<double>(environment.height));
+    for (std::size_t x = 0; x < environment.width; ++x)
+      sum = sum + to_double(environment.pixels[y * environment.width + x]) * weight;
+    weights += weight * static_cast<double>(environment.width);
+  }
+  const Vec3 mean = sum * (1 / weights), factor = to_double(environment.radiance);
+  return to_float({mean.x * factor.x, mean.y * factor.y, mean.z * factor.z});
+}
+
+class Writer {
+ public:
+  Writer(const Scene& scene, const SceneWarning& warn) : scene_(scene), warn_(warn) {
+    in_text_ = scene.buffer_bytes() <= kMostTextBytes;
+  }
+
+  EmbreeXml write() {
+    line("<?xml version=\"1.0\"?>\n<scene>");
+    camera();
+    lights();
+    for (const Mesh& mesh : scene_.meshes) {
+      if (mesh.triangle_count() > 0) add_mesh(mesh);
+    }
+    line("</scene>");
+    return std::move(result_);
+  }
+
+ private:
+  void line(std::string_view text) {
+    result_.xml += text;
+    result_.xml += '\n';
+  }
+
+  void warn(const std::string& sentence) {
+    if (warn_) warn_(sentence);
+  }
+
+  void camera() {
+    const Camera& c = scene_.camera;
+    line(fmt::format(R"(<PerspectiveCamera name="default" from="{}" to="{}" up="{}" fov="{}"/>)",
+                     attribute(c.position), attribute(c.target), attribute(c.up), c.vertical_fov_degrees));
+  }
+
+  void lights() {
+    if (!has_light(scene_)) {
+      directional_light(default_sun(scene_.camera));
+      ambient_light(kSkyRadiance);
+      return;
+    }
+    for (const DirectionalLight& light : scene_.directional_lights) directional_light(light);
+    if (!scene_.environment) return;
+    if (scene_.environment->width > 0) warn("The environment is a picture; its mean is written.");
+    ambient_light(mean_radiance(*scene_.environment));
+  }
+
+  void ambient_light(Vec3f radiance) {
+    line(fmt::format("<AmbientLight><L>{}</L></AmbientLight>", words(radiance)));
+  }
+
+  /// The light travels along the third column of its map.
+  void directional_light(const DirectionalLight& light) {
+    const Vec3 z = to_double(light.direction);
+    const Vec3 helper = std::abs(z.x) > 0.7 * length(z) ? Vec3{0, 1, 0} : Vec3{1, 0, 0};
+    const Vec3 x = normalize(cross(helper, z)), y = normalize(cross(z, x));
+    const Vec3f fx = to_float(x), fy = to_float(y), fz = light.direction;
+    const std::string space = fmt::format("<AffineSpace>{} {} {} 0 {} {} {} 0 {} {} {} 0</AffineSpace>", fx.x,
+                                          fy.x, fz.x, fx.y, fy.y, fz.y, fx.z, fy.z, fz.z);
+    if (light.half_angle_degrees > 0) {
+      const double radiance = 1 / projected_solid_angle(light.half_angle_degrees);
+      line(fmt::format("<DistantLight>{}<L>{}</L><halfAngle>{}</halfAngle></DistantLight>", space,
+                       words(scaled(light.irradiance, radiance)), light.half_angle_degrees));
+    } else {
+      line(fmt::format("<DirectionalLight>{}<E>{}</E></DirectionalLight>", space, words(light.irradiance)));
+    }
+  }
+
+  /// An element that defines the material when it comes first and names it from then on.
+  std::string material(const Material& m) {
+    std::string code, parameters;
+    const auto add = [&](const char* type, const char* name, const std::string& value) {
+      parameters += fmt::format(R"(<{0} name="{1}">{2}</{0}>)", type, name, value);
+    };
+    switch (m.kind) {
+      case Material::Kind::kDiffuse:
+        code = "OBJ";
+        add("float3", "Kd", words(m.color));
+        break;
+      case Material::Kind::kGlossy:
+        code = "Plastic";
+        add("float3", "pigmentColor", words(m.color));
+        add("float", "eta", fmt::format("{}", m.index_of_refraction));
+        add("float", "roughness", fmt::format("{}", m.roughness));
+        break;
+      case Material::Kind::kMirror:
+        code = "Mirror";
+        add("float3", "reflectance", words(m.color));
+        break;
+      case Material::Kind::kGlass:
+        code = "Dielectric";
+        add("float3", "transmission", words(m.color));
+        add("float", "etaInside", fmt::format("{}", m.index_of_refraction));
+        break;
+    }
+    if (!is_black(m.emission)) {
+      add("float3", "emission", words(m.emission));
+      if (!std::exchange(warned_of_emission_, true))
+        warn("Meshes that emit light stay dark in Embree's tools.");
+    }
+    const std::string content =
+        fmt::format(R"(<code>"{}"</code><parameters>{}</parameters>)", code, parameters);
+    const auto [known, is_new] = materials_.try_emplace(content, materials_.size());
+    if (!is_new) return fmt::format(R"(<material id="material{}"/>)", known->second);
+    return fmt::format(R"(<material id="material{}">{}</material>)", known->second, content);
+  }
+
+  template <class T>
+  void array(const char* name, std::span<const T> numbers, std::size_t per_element) {
+    if (in_text_) {
+      line(fmt::format("<{0}>{1}</{0}>", name, fmt::join(numbers, " ")));
+      return;
+    }
+    line(fmt::format(R"(<{} ofs="{}" size="{}"/>)", name, offset_, numbers.size() / per_element));
+    result_.binary.emplace_back(reinterpret_cast<const char*>(numbers.data()), numbers.size_bytes());
+    offset_ += numbers.size_bytes();
+  }
+
+  void add_mesh(const Mesh& mesh) {
+    std::string name = mesh.name;  // Embree reads no entities
+    std::replace_if(
+        name.begin(), name.end(),
+        [](char c) {
+          return c < ' ' || c > '~' || std::string_view("&<>\"'").find(c) != std::string_view::npos;
+        },
+        '_');
+    const bool has_range = mesh.time_range.begin != 0 || mesh.time_range.end != 1;
+    if (has_range)
+      line(fmt::format(R"(<TimeRange time="{} {}">)", without_denormal(mesh.time_range.begin),
+                       without_denormal(mesh.time_range.end)));
+    line(fmt::format(R"(<TriangleMesh name="{}">)", name));
+    line(material(mesh.material));
+    if (!mesh.is_static()) line("<animated_positions>");
+    for (const VertexBuffer& step : mesh.steps) {
+      static_assert(sizeof(Vec3f) == 3 * sizeof(float));
+      array("positions", std::span<const float>(&step.data()->x, 3 * step.size()), 3);
+    }
+    if (!mesh.is_static()) line("</animated_positions>");
+    array("triangles", std::span<const std::uint32_t>(mesh.indices), 3);
+    line("</TriangleMesh>");
+    if (has_range) line("</TimeRange>");
+  }
+
+  const Scene& scene_;
+  const SceneWarning& warn_;
+  EmbreeXml result_;
+  bool in_text_ = false;
+  std::size_t offset_ = 0;
+  std::map<std::string, std::size_t> materials_;  ///< what is in the element, and its number
+  bool warned_of_emission_ = false;
+};
+
+}  // namespace
+}  // namespace embree_xml
+
+std::filesystem::path embree_binary_file(const std::filesystem::path& xml_file) {
+  std::filesystem::path file = xml_file;
+  return file.replace_extension(".bin");
+}
+
+EmbreeXml to_embree_xml(const Scene& scene, const SceneWarning& warn) {
+  return embree_xml::Writer(scene, warn).write();
+}
+
+}  // namespace stbvh::harness

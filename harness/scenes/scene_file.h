@@ -1,0 +1,17 @@
+/// What all readers of scene files share.
+#pragma once
+
+#include <cstddef>
+#include <stdexcept>
+
+namespace stbvh::harness {
+
+/// A file that is missing, broken or needs what is not supported; what() is one sentence for the user.
+struct SceneFileError : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Most bytes of vertex buffers that one file may grow to: what the largest machine of the measurements has.
+inline constexpr std::size_t kMaxSceneFileBytes = std::size_t{24} << 30;
+
+}  // namespace stbvh::harness

@@ -1,0 +1,34 @@
+/// A refined cage, whatever its positions: which triangles it has, and how its vertices follow the cage's.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "harness/scenes/subdivision/subdivision.h"
+
+namespace stbvh::harness::subdivision {
+
+/// A sparse matrix: row r is a weighted sum of the columns from first[r] on.
+struct WeightedSums {
+  std::vector<std::size_t> first{0};  ///< one more than there are rows
+  std::vector<std::uint32_t> columns;
+  std::vector<double> weights;
+
+  std::size_t size() const { return first.size() - 1; }
+};
+
+struct CageTopology {
+  WeightedSums refined;                ///< of the vertices of the cage
+  WeightedSums limit;                  ///< of refined vertices: the vertices of the mesh
+  std::vector<std::uint32_t> indices;  ///< 3 for each triangle
+};
+
+/// The faces of the level, before holes are taken out.
+std::size_t refined_face_count(const SubdivisionCage& cage, unsigned level);
+
+/// For a cage that check_cage() took. Throws std::invalid_argument where OpenSubdiv cannot take it, and where
+/// no face is left.
+CageTopology refine_topology(const SubdivisionCage& cage, unsigned level);
+
+}  // namespace stbvh::harness::subdivision

@@ -1,0 +1,337 @@
+/// load_embree_xml(): what it makes of files that are right.
+#include "harness/scenes/embree_xml/embree_xml.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/harness/embree_xml_files.h"
+
+namespace stbvh::harness {
+namespace {
+
+TEST_F(EmbreeXmlTest, TriangleMesh) {
+  const Scene scene = load(R"(<PerspectiveCamera name="c" from="1 2 3" to="4 5 6" up="0 0 1" fov="33.5"/>
+    <TriangleMesh name="roof"><positions>0 0 0 +1.0 0 0 <!-- 2 --> 0 1e0 0  .5 .5 1</positions>
+    <normals>0 0 1 0 0 1 0 0 1 0 0 1</normals><texcoords>0 0 1 0 0 1 0 0</texcoords>
+    <triangles>0 1 2  0 2 3</triangles></TriangleMesh>)");
+  ASSERT_EQ(scene.meshes.size(), 1u);
+  const Mesh& mesh = scene.meshes[0];
+  EXPECT_EQ(mesh.name, "roof");
+  EXPECT_EQ(mesh.indices, (std::vector<std::uint32_t>{0, 1, 2, 0, 2, 3}));
+  ASSERT_EQ(mesh.steps.size(), 1u);
+  ASSERT_EQ(mesh.steps[0].size(), 4u);
+  expect_at(mesh.steps[0][1], 1, 0, 0);
+  expect_at(mesh.steps[0][3], 0.5f, 0.5f, 1);
+  expect_at(scene.camera.position, 1, 2, 3);
+  expect_at(scene.camera.target, 4, 5, 6);
+  expect_at(scene.camera.up, 0, 0, 1);
+  EXPECT_EQ(scene.camera.vertical_fov_degrees, 33.5f);
+  EXPECT_EQ(scene.name, "s");
+  EXPECT_TRUE(warnings.empty());
+  EXPECT_FALSE(scene.environment);
+}
+
+TEST_F(EmbreeXmlTest, AnimatedPositionsAreSteps) {
+  const Scene scene = load(R"(<TriangleMesh><animated_positions><positions>0 0 0 1 0 0 0 1 0</positions>
+    <positions>0 0 1 1 0 1 0 1 1</positions><positions>0 0 4 1 0 4 0 1 4</positions></animated_positions>
+    <triangles>0 1 2</triangles></TriangleMesh>
+    <TriangleMesh><positions>0 0 0 1 0 0 0 1 0</positions><positions2>0 0 2 1 0 2 0 1 2</positions2>
+    <triangles>0 1 2</triangles></TriangleMesh>)");
+  ASSERT_EQ(scene.meshes.size(), 2u);
+  ASSERT_EQ(scene.meshes[0].steps.size(), 3u);
+  expect_at(scene.meshes[0].steps[2][1], 1, 0, 4);
+  ASSERT_EQ(scene.meshes[1].steps.size(), 2u);
+  expect_at(scene.meshes[1].steps[1][2], 0, 1, 2);
+}
+
+TEST_F(EmbreeXmlTest, BinaryArrays) {
+  const std::string bytes =
+      "four" + bytes_of<float>({0, 0, 0, 1, 0, 0, 0, 1, 0.1f}) + bytes_of<std::uint32_t>({2, 0, 1});
+  const std::string content =
+      R"(<TriangleMesh><positions ofs="4" size="3"/><normals ofs="0" size="0"/><triangles ofs="40" size="1"/></TriangleMesh>)";
+  for (const char* const name : {"s.bin", "s.xml.bin"}) {
+    write(name, bytes);
+    const Scene scene = load(content);
+    EXPECT_EQ(scene.meshes[0].indices, (std::vector<std::uint32_t>{2, 0, 1}));
+    EXPECT_EQ(scene.meshes[0].steps[0][2].z, 0.1f);
+    fs::remove(folder / name);
+  }
+}
+
+TEST_F(EmbreeXmlTest, QuadsAreSplitAsInEmbree) {
+  const Scene scene = load(R"(<QuadMesh><positions>0 0 0 1 0 0 1 1 0 0 1 0</positions>
+    <indices>0 1 2 3  0 1 2 2</indices></QuadMesh>)");
+  EXPECT_EQ(scene.meshes[0].indices, (std::vector<std::uint32_t>{0, 1, 3, 2, 3, 1, 0, 1, 2}));
+}
+
+TEST_F(EmbreeXmlTest, MatricesAreWrittenRowByRow) {
+  const Scene scene = load("<Transform><AffineSpace>1 2 3 4  5 6 7 8  9 10 11 12</AffineSpace>" + triangle() +
+                           "</Transform>");
+  const VertexBuffer& p = scene.meshes[0].steps[0];
+  expect_at(p[0], 4, 8, 12);
+  expect_at(p[1], 5, 13, 21);
+  expect_at(p[2], 6, 14, 22);
+}
+
+TEST_F(EmbreeXmlTest, AttributesOfAffineSpaces) {
+  const auto where = [&](const std::string& attributes) {
+    return load("<Transform><AffineSpace " + attributes + "/>" + triangle("", "1 2 3 0 0 0 1 0 0") +
+                "</Transform>")
+        .meshes[0]
+        .steps[0][0];
+  };
+  const auto expect_near = [](Vec3f p, float x, float y, float z) {
+    EXPECT_NEAR(p.x, x, 1e-6f);
+    EXPECT_NEAR(p.y, y, 1e-6f);
+    EXPECT_NEAR(p.z, z, 1e-6f);
+  };
+  expect_near(where(R"(translate="10 20 30")"), 11, 22, 33);
+  expect_near(where(R"(scale="2 3 4")"), 2, 6, 12);
+  expect_near(where(R"(rotate_x="90")"), 1, -3, 2);
+  expect_near(where(R"(rotate_y="90")"), 3, 2, -1);
+  expect_near(where(R"(rotate_z="90")"), -2, 1, 3);
+  expect_near(where(R"(axis="0 0 5" angle="90")"), -2, 1, 3);
+  expect_near(where(R"(axis="0 0 5" angle="180" point="1 0 0")"), 1, -2, 3);
+  expect_near(where(R"(axis="1 1 1" angle="120")"), 3, 1, 2);
+}
+
+TEST_F(EmbreeXmlTest, OuterTransformsComeLast) {
+  const Scene scene =
+      load(R"(<Transform><AffineSpace scale="2 2 2"/><Group><Transform><AffineSpace translate="1 0 0"/>)" +
+           triangle() + "</Transform></Group></Transform>");
+  expect_at(scene.meshes[0].steps[0][1], 4, 0, 0);
+}
+
+TEST_F(EmbreeXmlTest, UntouchedPositionsKeepTheirBits) {
+  const Scene scene =
+      load(triangle("", "0.1 -0 3.4028235e38  1e-45 1.17549435e-38 0.333333343  16777217 1 7e-46"));
+  const VertexBuffer& p = scene.meshes[0].steps[0];
+  EXPECT_EQ(p[0].x, 0.1f);
+  EXPECT_TRUE(std::signbit(p[0].y));
+  EXPECT_EQ(p[0].z, 3.4028235e38f);
+  EXPECT_EQ(p[1].x, 1e-45f);
+  EXPECT_EQ(p[2].x, 16777216.0f);
+  EXPECT_EQ(p[2].z, 0.0f);
+}
+
+TEST_F(EmbreeXmlTest, TransformKeysBecomeSteps) {
+  const Scene scene =
+      load(R"(<TransformAnimation><AffineSpace translate="0 0 0"/><AffineSpace translate="10 0 0"/>
+    <AffineSpace scale="3 3 3"/>)" +
+           triangle() + "</TransformAnimation>");
+  ASSERT_EQ(scene.meshes[0].steps.size(), 3u);
+  expect_at(scene.meshes[0].steps[1][1], 11, 0, 0);
+  expect_at(scene.meshes[0].steps[2][1], 3, 0, 0);
+}
+
+/// 3 keys over 4 steps: 6 segments. Between keys matrices are interpolated, not rotations.
+TEST_F(EmbreeXmlTest, KeysOfTransformAndMeshAreAllSteps) {
+  const Scene scene = load(R"(<TransformAnimation><AffineSpace scale="1 1 1"/><AffineSpace scale="3 1 1"/>
+    <AffineSpace scale="1 1 5"/><TriangleMesh><animated_positions>
+    <positions>1 0 0 0 0 1 0 0 0</positions><positions>4 0 0 0 0 1 0 0 0</positions>
+    <positions>7 0 0 0 0 1 0 0 0</positions><positions>1 0 0 0 0 7 0 0 0</positions></animated_positions>
+    <triangles>0 1 2</triangles></TriangleMesh></TransformAnimation>)");
+  const Mesh& mesh = scene.meshes[0];
+  ASSERT_EQ(mesh.steps.size(), 7u);
+  // x of the mesh's vertex 0 at the common steps, and the scale of the transform.
+  const float x[] = {1, 2.5f, 4, 5.5f, 7, 4, 1}, scale[] = {1, 5.f / 3, 7.f / 3, 3, 7.f / 3, 5.f / 3, 1};
+  const float z[] = {1, 1, 1, 1, 1, 4, 7}, scale_z[] = {1, 1, 1, 1, 7.f / 3, 11.f / 3, 5};
+  for (std::size_t i = 0; i < 7; ++i) {
+    expect_at(mesh.steps[i][0], x[i] * scale[i], 0, 0);
+    expect_at(mesh.steps[i][1], 0, 0, z[i] * scale_z[i]);
+  }
+}
+
+TEST_F(EmbreeXmlTest, NestedMotionsMeetAtTheirKeys) {
+  const Scene scene = load(R"(<TransformAnimation><AffineSpace scale="1 1 1"/><AffineSpace scale="2 2 2"/>
+    <TransformAnimation><AffineSpace translate="0 0 0"/><AffineSpace translate="1 0 0"/><AffineSpace translate="4 0 0"/>)" +
+                           triangle() + "</TransformAnimation></TransformAnimation>");
+  ASSERT_EQ(scene.meshes[0].steps.size(), 3u);
+  expect_at(scene.meshes[0].steps[0][0], 0, 0, 0);
+  expect_at(scene.meshes[0].steps[1][0], 1.5f, 0, 0);
+  expect_at(scene.meshes[0].steps[2][0], 8, 0, 0);
+}
+
+TEST_F(EmbreeXmlTest, SharedNodesAreInstanced) {
+  const Scene scene = load(R"(<assign type="scene" id="a">)" + triangle() + R"(</assign>
+    <assign type="scene"><Group id="pair"><ref id="a"/><Transform><AffineSpace translate="0 5 0"/><ref id="a"/></Transform>
+    </Group></assign><ref id="pair"/><Transform><AffineSpace translate="7 0 0"/><ref id="pair"/></Transform>)");
+  ASSERT_EQ(scene.meshes.size(), 4u);
+  expect_at(scene.meshes[1].steps[0][0], 0, 5, 0);
+  expect_at(scene.meshes[2].steps[0][0], 7, 0, 0);
+  expect_at(scene.meshes[3].steps[0][0], 7, 5, 0);
+}
+
+TEST_F(EmbreeXmlTest, MultiTransformFromTheBinaryFile) {
+  // Columns: the images of x, y, z, then the translation.
+  write("s.bin", bytes_of<float>({1, 0, 0, 0, 1, 0, 0, 0, 1, 5, 6, 7, 0, 2, 0, -2, 0, 0, 0, 0, 1, 0, 0, 0}));
+  const Scene scene =
+      load(R"(<MultiTransform><AffineSpace3f ofs="0" size="2"/>)" + triangle() + "</MultiTransform>");
+  ASSERT_EQ(scene.meshes.size(), 2u);
+  expect_at(scene.meshes[0].steps[0][1], 6, 6, 7);
+  expect_at(scene.meshes[1].steps[0][1], 0, 2, 0);
+  expect_at(scene.meshes[1].steps[0][2], -2, 0, 0);
+}
+
+TEST_F(EmbreeXmlTest, TimeRanges) {
+  const std::string moving =
+      R"(<TransformAnimation><AffineSpace translate="0 0 0"/><AffineSpace translate="1 0 0"/>)" + triangle() +
+      "</TransformAnimation>";
+  const Scene scene =
+      load(moving + R"(<TimeRange time="-0.25 0.5">)" + moving +
+           R"(</TimeRange><TimeRange time="0.5 2"><Flatten>)" + moving + "</Flatten></TimeRange>");
+  ASSERT_EQ(scene.meshes.size(), 3u);
+  EXPECT_EQ(scene.meshes[0].time_range.begin, 0.0f);
+  EXPECT_EQ(scene.meshes[0].time_range.end, 1.0f);
+  EXPECT_EQ(scene.meshes[1].time_range.begin, -0.25f);
+  EXPECT_EQ(scene.meshes[1].time_range.end, 0.5f);
+  EXPECT_EQ(scene.meshes[2].time_range.begin, 0.5f);
+  EXPECT_EQ(scene.meshes[2].time_range.end, 2.0f);
+}
+
+/// Embree's loader changes the node itself; a flattened copy is another one.
+TEST_F(EmbreeXmlTest, ATimeRangeReachesAllInstances) {
+  const std::string shared =
+      R"(<assign type="scene" id="a"><TriangleMesh><positions>0 0 0 1 0 0 0 1 0</positions>
+    <positions2>0 0 1 1 0 1 0 1 1</positions2><triangles>0 1 2</triangles></TriangleMesh></assign>)";
+  EXPECT_EQ(load(shared + R"(<ref id="a"/><TimeRange time="0 0.5"><ref id="a"/></TimeRange>)")
+                .meshes[0]
+                .time_range.end,
+            0.5f);
+  EXPECT_EQ(
+      load(shared + R"(<ref id="a"/><TimeRange time="0 0.5"><Flatten><ref id="a"/></Flatten></TimeRange>)")
+          .meshes[0]
+          .time_range.end,
+      1.0f);
+}
+
+TEST_F(EmbreeXmlTest, Materials) {
+  const auto material = [&](const std::string& code, const std::string& parameters) {
+    return load(triangle("<material><code>" + code + "</code><parameters>" + parameters +
+                         "</parameters></material>"))
+        .meshes[0]
+        .material;
+  };
+  using Kind = Material::Kind;
+  Material m = material("\"OBJ\"", R"(<float name="d">1</float><float3 name="Kd">0.9 0.3 0.2</float3>)");
+  EXPECT_EQ(m.kind, Kind::kDiffuse);
+  expect_at(m.color, 0.9f, 0.3f, 0.2f);
+  m = material(
+      "\"OBJ\"",
+      R"(<float3 name="Kd">0 0 1</float3><float3 name="Ks">.04 .04 .04</float3><float name="Ns">198</float>)");
+  EXPECT_EQ(m.kind, Kind::kGlossy);
+  EXPECT_NEAR(m.index_of_refraction, 1.5f, 1e-5f);
+  EXPECT_NEAR(m.roughness, 0.1f, 1e-6f);
+  EXPECT_EQ(material("Matte", R"(<float3 name="reflectance">.1 .2 .3</float3>)").color.z, 0.3f);
+  EXPECT_EQ(material("\"Mirror\"", "").kind, Kind::kMirror);
+  EXPECT_EQ(material("\"Metal\"", R"(<float name="roughness">.5</float>)").kind, Kind::kMirror);
+  m = material("\"Dielectric\"", R"(<float name="etaInside">1.33</float>)");
+  EXPECT_EQ(m.kind, Kind::kGlass);
+  EXPECT_EQ(m.index_of_refraction, 1.33f);
+  EXPECT_EQ(material("\"ThinDielectric\"", "").index_of_refraction, 1.0f);
+  m = material(
+      "\"Plastic\"",
+      R"(<param type="float3" name="pigmentColor">.1 .2 .3</param><float name="roughness">.25</float>)");
+  EXPECT_EQ(m.kind, Kind::kGlossy);
+  EXPECT_EQ(m.roughness, 0.25f);
+  expect_at(m.color, 0.1f, 0.2f, 0.3f);
+  EXPECT_TRUE(warnings.empty());
+  EXPECT_EQ(material("\"Slime\"", "").kind, Kind::kDiffuse);
+  EXPECT_TRUE(warned_of("Slime"));
+  material("\"OBJ\"", R"(<texture3d name="map_Kd" src="x.png"/>)");
+  EXPECT_TRUE(warned_of("Textures"));
+}
+
+TEST_F(EmbreeXmlTest, MaterialsAreKnownByTheirIds) {
+  const Scene scene = load(
+      R"(<assign type="material" id="red"><material><code>"Matte"</code><parameters>
+    <float3 name="reflectance">1 0 0</float3></parameters></material></assign>)" +
+      triangle(R"(<material id="red"/>)") +
+      triangle(
+          R"(<material id="7"><code>"Matte"</code><parameters><float3 name="reflectance">0 1 0</float3></parameters></material>)") +
+      triangle(R"(<material id="7"/>)") + triangle(R"(<material id="8"/>)") +
+      triangle(R"(<material id="9"/>)"));
+  expect_at(scene.meshes[0].material.color, 1, 0, 0);
+  expect_at(scene.meshes[2].material.color, 0, 1, 0);
+  expect_at(scene.meshes[3].material.color, 0.7f, 0.7f, 0.7f);
+  EXPECT_EQ(warnings.size(), 2u);
+}
+
+TEST_F(EmbreeXmlTest, Lights) {
+  const Scene scene =
+      load(triangle() + R"(<AmbientLight><L>1 2 3</L></AmbientLight><AmbientLight><L>1 1 1</L></AmbientLight>
+    <Transform><AffineSpace>0 1 0 9  0 0 1 9  1 0 0 9</AffineSpace>
+    <DirectionalLight><AffineSpace>1 0 5 0  0 1 6 0  0 0 7 0</AffineSpace><E>4 5 6</E></DirectionalLight></Transform>
+    <DistantLight><AffineSpace>1 0 0 0 0 1 0 0 0 0 1 0</AffineSpace><L>1 2 4</L><halfAngle>30</halfAngle></DistantLight>
+    <QuadLight><AffineSpace>2 0 0 1  0 3 0 0  0 0 1 0</AffineSpace><L>7 8 9</L></QuadLight>
+    <TriangleLight><AffineSpace translate="0 0 1"/><L>1 1 1</L></TriangleLight>)");
+  ASSERT_TRUE(scene.environment);
+  expect_at(scene.environment->radiance, 2, 3, 4);
+  ASSERT_EQ(scene.directional_lights.size(), 2u);
+  expect_at(scene.directional_lights[0].direction, 6, 7, 5);
+  expect_at(scene.directional_lights[0].irradiance, 4, 5, 6);
+  EXPECT_EQ(scene.directional_lights[0].half_angle_degrees, 0);
+  EXPECT_EQ(scene.directional_lights[1].half_angle_degrees, 30);
+  // A disc of 30 degrees: pi sin^2 = pi / 4.
+  EXPECT_NEAR(scene.directional_lights[1].irradiance.z, 3.14159265f, 1e-5f);
+  ASSERT_EQ(scene.meshes.size(), 3u);
+  const Mesh& quad = scene.meshes[1];
+  EXPECT_EQ(quad.triangle_count(), 2u);
+  expect_at(quad.material.emission, 7, 8, 9);
+  expect_at(quad.steps[0][2], 3, 3, 0);
+  expect_at(scene.meshes[2].steps[0][0], 1, 0, 1);
+}
+
+TEST_F(EmbreeXmlTest, WhatCannotBeShownIsNamed) {
+  load(triangle() +
+       R"(<Curves type="flat" basis="linear"/><Curves type="round" basis="bezier"/><Points type="sphere"/>
+    <GridMesh id="g"/><ref id="g"/><PointLight/><SpotLight/><Nonsense/><TransformAnimation><Quaternion/></TransformAnimation>)");
+  ASSERT_EQ(warnings.size(), 1u);
+  for (const char* const part : {"2 <Curves>", "1 <Points>", "1 <GridMesh>", "1 <PointLight>",
+                                 "1 <SpotLight>", "1 <Nonsense>", "Quaternion", "s.xml"}) {
+    EXPECT_TRUE(warned_of(part)) << warnings[0];
+  }
+}
+
+TEST_F(EmbreeXmlTest, TheFirstCameraCountsAndMovesWithTransforms) {
+  const Scene scene = load(triangle() + R"(<Transform><AffineSpace translate="0 0 5"/>
+    <PerspectiveCamera name="a" from="0 0 8" to="0 0 0" up="0 1 0" fov="10"/></Transform>
+    <PerspectiveCamera name="b" from="0 0 9" to="0 0 0" up="0 1 0" fov="20"/>)");
+  expect_at(scene.camera.position, 0, 0, 13);
+  expect_at(scene.camera.target, 0, 0, 5);
+  expect_at(scene.camera.up, 0, 1, 0);
+}
+
+TEST_F(EmbreeXmlTest, CommandLists) {
+  write_scene(triangle() + R"(<PerspectiveCamera name="a" from="0 0 8" to="0 0 0" up="0 1 0" fov="10"/>
+    <PerspectiveCamera name="b" from="0 0 9" to="0 0 0" up="0 1 0" fov="20"/>)");
+  Scene scene = load_file(
+      write("l.ecs",
+            "-i s.xml\n#-vp 9 9 9\n-vp 1 2 3 -vi -1 -2 -.5 --vu 0 0 1 # up\n--righthanded --shader uv\n"
+            "--size 10 20 -dirlight 1 -1 1 3 3 3 --ambientlight 1 .5 0 --fov 60"));
+  expect_at(scene.camera.position, 1, 2, 3);
+  expect_at(scene.camera.target, -1, -2, -0.5f);
+  expect_at(scene.camera.up, 0, 0, 1);
+  EXPECT_EQ(scene.camera.vertical_fov_degrees, 60);
+  ASSERT_EQ(scene.directional_lights.size(), 1u);
+  expect_at(scene.directional_lights[0].direction, 1, -1, 1);
+  expect_at(scene.environment.value().radiance, 1, 0.5f, 0);
+  EXPECT_TRUE(warned_of("--shader, --size"));
+  scene = load_file(write("m.ecs", "-i s.xml -i s.xml --camera b -vp 1 1 1 -vd 0 0 -1"));
+  EXPECT_EQ(scene.meshes.size(), 2u);
+  EXPECT_EQ(scene.camera.vertical_fov_degrees, 20);
+  expect_at(scene.camera.target, 1, 1, 0);
+  EXPECT_TRUE(warnings.empty());
+}
+
+TEST_F(EmbreeXmlTest, EmissionIsOurWord) {
+  const Scene scene =
+      load(triangle(R"(<material><code>"OBJ"</code><parameters><float3 name="Kd">0 0 0</float3>
+    <float3 name="emission">1 2 3</float3></parameters></material>)"));
+  expect_at(scene.meshes[0].material.emission, 1, 2, 3);
+}
+
+}  // namespace
+}  // namespace stbvh::harness
