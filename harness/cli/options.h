@@ -73,7 +73,7 @@ struct Options {
   std::size_t frozen_times = 1024;            ///< of truth
   std::optional<std::filesystem::path> from;  ///< what report need not measure
   bool quick = false;
-  std::string command_line;  ///< that these options were read from
+  std::string command_line;         ///< that these options were read from
   std::filesystem::path converted;  ///< the file that convert writes, .xml
 };
 

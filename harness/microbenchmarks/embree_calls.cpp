@@ -72,7 +72,10 @@ std::vector<Ray> rays_from_inside() {
 
 void register_scene(std::string_view scene, unsigned steps) {
   const auto geometry = std::make_shared<const EmptyGeometry>(steps);
-  for (const auto& [query, trace] : {std::pair{"closest", &intersect_scene}, {"any", &occluded_scene}}) {
+  using Trace = void (*)(RTCScene, std::span<const Ray>, std::span<HitRecord>);
+  constexpr std::pair<const char*, Trace> kQueries[] = {{"closest", &intersect_scene},
+                                                        {"any", &occluded_scene}};
+  for (const auto& [query, trace] : kQueries) {
     const std::string name = fmt::format("embree/{}/{}", scene, query);
     benchmark::RegisterBenchmark(name.c_str(), [=, trace = trace](benchmark::State& state) {
       const std::vector<Ray> rays = rays_from_inside();
