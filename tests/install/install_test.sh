@@ -81,6 +81,19 @@ by_pkg_config() {
   "$work/moving_triangles"
 }
 
+# The installed script finds the installed library, which takes over what the example gives to Embree.
+preload() {
+  use_pkg_config
+  # shellcheck disable=SC2046
+  "$cc" -std=c99 "$example"/*.c -o "$work/preload" $(flags --cflags --libs) -lm
+  printf '#!/bin/sh\nLD_LIBRARY_PATH=%s exec %s/bin/stbvh-run --json %s %s\n' "$(dirname "$(library)")" "$prefix" \
+    "$work/preload.json" "$work/preload" > "$work/preload.sh"
+  chmod +x "$work/preload.sh"
+  rm -f "$work/preload.json"
+  check_example "$work/preload.sh"
+  grep -q '"meshes_taken_over": 1' "$work/preload.json" || fail "nothing was taken over"
+}
+
 # The header alone, in the languages that it is for.
 header() {
   use_pkg_config
@@ -104,6 +117,6 @@ handful() {
 
 case $step in
   install) install_and_move ;;
-  exports | soname | by_cmake | by_cmake_version | by_pkg_config | header | handful) "$step" ;;
+  exports | soname | by_cmake | by_cmake_version | by_pkg_config | preload | header | handful) "$step" ;;
   *) fail "no such step: $step" ;;
 esac
