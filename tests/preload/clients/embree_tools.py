@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 SKIPPED = 77  # ctest's SKIP_RETURN_CODE
@@ -90,7 +91,8 @@ class Difference:
         self.large = sum(s > LARGE for s in by_pixel)
         self.largest = max(by_pixel)
         self.mean = sum(steps) / len(steps)
-        self.colors = len({a[i:i + 3] for i in range(0, len(a), 3)})
+        colors = Counter(a[i:i + 3] for i in range(0, len(a), 3))
+        self.shown = 1 - max(colors.values()) / self.pixels  # what is not background
 
     def within_floats(self):
         """Whether other roundings of hit distances explain it: they move a color by a step, or let single paths go
@@ -104,6 +106,6 @@ class Difference:
 
 
 LARGE = 8
-MOST_DIFFERING = 0.02
-MOST_LARGE = 0.002
+MOST_DIFFERING = 0.005
+MOST_LARGE = 0.001
 LARGEST_MEAN = 0.02

@@ -5,8 +5,12 @@ The lists are of the tests of triangles with motion blur (and, with --all, of al
 are ray_masks and sphere_filter_multi_hit_tests, which fail or crash natively, and with AVX512 those that hang."""
 
 import argparse
+import json
 import re
 import sys
+import tempfile
+from collections import Counter
+from pathlib import Path
 
 from embree_tools import Side, require_tools, skip
 
@@ -20,19 +24,25 @@ LISTS = {"watertight": WATERTIGHT, "motion-blur": WATERTIGHT + MOTION_BLUR, "all
 RESULT = re.compile(r"^\s*(AVX\w+\.\S+) .*\[(PASSED|FAILED)", re.MULTILINE)
 
 
-def run_tests(side, isa, patterns, intensity, timeout):
-    """Results by name (True: passed), and how the program ended."""
+def run_tests(side, isa, patterns, intensity, timeout, more=()):
+    """How many tests there were, which failed (names repeat), and how the program ended."""
     # By lines, so that what was done before a crash is known.
     command = ["stdbuf", "-oL", "embree_verify", "--no-colors", "--flatten", "--intensity", str(intensity)]
     for pattern in patterns:
         command += ["--run", rf"{isa}\.{pattern}"]
-    outcome = side.run(command, timeout)
-    return {name: result == "PASSED" for name, result in RESULT.findall(outcome.text)}, outcome
+    outcome = side.run(command, timeout, more)
+    results = RESULT.findall(outcome.text)
+    return len(results), Counter(name for name, result in results if result != "PASSED"), outcome
 
 
-def passes_natively(name, intensity, timeout):
-    results, _ = run_tests(Side(), *name.split(".", 1)[:1], [re.escape(name.split(".", 1)[1])], intensity, timeout)
-    return results.get(name, False)
+def without_native_failures(failed, isa, intensity, timeout):
+    """Those of the failures that are not there natively."""
+    ours = Counter()
+    for name, count in failed.items():
+        pattern = re.escape(name.removeprefix(isa + "."))
+        _, natively, _ = run_tests(Side(), isa, [pattern], intensity, timeout)
+        ours[name] = max(count - natively[name], 0)
+    return +ours
 
 
 def parse():
@@ -63,17 +73,25 @@ def main():
         skip(f"this machine has no {options.isa}")
     run_options = ["--all"] if options.list == "all-triangles" else []
     side = Side(options.stbvh_run, run_options) if options.stbvh_run else Side()
-    results, outcome = run_tests(side, options.isa, LISTS[options.list], options.intensity, options.timeout)
-    failed = sorted(name for name, passed in results.items() if not passed)
-    ours = failed if side.is_native else [n for n in failed if passes_natively(n, options.intensity, options.timeout)]
-    print(f"{options.isa}, {options.list}, intensity {options.intensity}: {len(results) - len(failed)} of "
-          f"{len(results)} tests passed, {len(failed)} failed, {len(failed) - len(ours)} of them natively too")
-    for name in ours:
-        print(f"FAILED  {name}")
-    broken = outcome.exit_code not in (0, 1) or len(results) < options.at_least
+    with tempfile.TemporaryDirectory(prefix="stbvh-verify-") as folder:
+        file = Path(folder) / "statistics.json"
+        count, failed, outcome = run_tests(side, options.isa, LISTS[options.list], options.intensity, options.timeout,
+                                           ("--json", str(file)))
+        statistics = json.loads(file.read_text()) if file.exists() else {"meshes_taken_over": 0, "rays": 0}
+    ours = failed if side.is_native else without_native_failures(failed, options.isa, options.intensity,
+                                                                 options.timeout)
+    print(f"{options.isa}, {options.list}, intensity {options.intensity}: {count - failed.total()} of {count} tests passed, "
+          f"{failed.total()} failed, {failed.total() - ours.total()} of them natively too")
+    for name, times in sorted(ours.items()):
+        print(f"FAILED  {name}" + (f" ({times} times)" if times > 1 else ""))
+    print(f"{statistics['meshes_taken_over']} meshes taken over, {statistics['rays']} rays")
+    broken = outcome.exit_code not in (0, 1) or count < options.at_least
+    idle = not side.is_native and 0 in (statistics["meshes_taken_over"], statistics["rays"])
+    if idle:
+        print("nothing was asked of the preload library")
     if broken:
         print(f"embree_verify did not end as it should (of {options.at_least} tests or more): {outcome}")
-    return 1 if ours or broken else 0
+    return 1 if ours or broken or idle else 0
 
 
 if __name__ == "__main__":
