@@ -11,9 +11,6 @@
 
 namespace stbvh::harness {
 
-/// `scene` as it is at `time`, at rest: each mesh that is there then, with one step.
-Scene frozen(const Scene& scene, float time);
-
 /// Told how many times are done.
 using FrozenProgress = std::function<void(std::size_t done)>;
 
