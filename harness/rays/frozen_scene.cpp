@@ -21,10 +21,8 @@ Scene frozen(const Scene& scene, float time) {
     copy.mask = mesh.mask;
     copy.material = mesh.material;
     VertexBuffer& positions = copy.steps.emplace_back(mesh.steps.front().size());
-    for (std::uint32_t i = 0; i < positions.size(); ++i) {
-      const Vec3 p = position_at(mesh, i, sample);
-      positions[i] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-    }
+    for (std::uint32_t i = 0; i < positions.size(); ++i)
+      positions[i] = to_float(position_at(mesh, i, sample));
   }
   return still;
 }

@@ -5,8 +5,9 @@
 #include <vector>
 
 #include "harness/rays/ray_set.h"
-#include "harness/scenes/procedural/mesh_tools.h"
+#include "harness/scenes/pcg32.h"
 #include "harness/scenes/scene.h"
+#include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {
 

@@ -7,9 +7,10 @@
 #include <map>
 #include <numbers>
 #include <span>
+#include <utility>
 
 #include "harness/scenes/embree_xml/disc_light.h"
-#include "harness/scenes/procedural/mesh_tools.h"
+#include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {
 namespace embree_xml {
@@ -20,10 +21,6 @@ constexpr std::size_t kMostTextBytes = 4096;
 /// The sun and the sky of a scene without light: nearly what `stbvh-ab picture` shows it under.
 constexpr Vec3f kSunIrradiance{5.2f, 4.9f, 4.2f};
 constexpr Vec3f kSkyRadiance{0.45f, 0.50f, 0.58f};
-
-Vec3 to_double(Vec3f v) {
-  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
-}
 
 std::string words(Vec3f v) {
   return fmt::format("{} {} {}", v.x, v.y, v.z);
