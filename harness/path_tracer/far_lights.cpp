@@ -3,6 +3,7 @@
 
 #include "harness/path_tracer/directions.h"
 #include "harness/path_tracer/lights.h"
+#include "harness/scenes/default_sun.h"
 
 namespace stbvh::harness {
 namespace {
@@ -145,9 +146,7 @@ DefaultLights sun_and_sky(const Camera& camera) {
   constexpr Color kZenith{0.30, 0.47, 0.80}, kHorizon{0.70, 0.77, 0.86}, kBelow{0.38, 0.36, 0.33};
   constexpr std::size_t kWidth = 64, kHeight = 64;  // smooth, and small enough for the caches
   const Vec3 up = normalize(to_double(camera.up));
-  const Vec3 right = normalize(cross(to_double(camera.target) - to_double(camera.position), up));
-  const Vec3 to_sun = up - 0.62 * right + 0.45 * cross(right, up);
-  DefaultLights lights{.sun = {to_float(-to_sun), kSunIrradiance, kSunHalfAngle},
+  DefaultLights lights{.sun = {to_float(-to_default_sun(camera)), kSunIrradiance, kSunHalfAngle},
                        .sky = {.radiance = {1, 1, 1}, .width = kWidth, .height = kHeight, .pixels = {}}};
   for (std::size_t y = 0; y < kHeight; ++y) {
     for (std::size_t x = 0; x < kWidth; ++x) {
