@@ -87,6 +87,11 @@ void check_shutter_mode(const std::string& mode, GltfOptions& gltf) {
 
 void check_scenes(Arguments& a, const CLI::App& command) {
   Options& o = a.options;
+  for (const CLI::Option* option : a.scene_options) {
+    if (option->count() > 0)
+      o.scene_words.insert(o.scene_words.end(),
+                           {option->get_name(), fmt::format("{}", fmt::join(option->results(), ","))});
+  }
   o.scenes = named_scenes(o.scenes);
   check_scale(a, command);
   if (command.count("--shutter") > 0) {

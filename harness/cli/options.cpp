@@ -40,6 +40,7 @@ void add_making_options(CLI::App& app, Arguments& a) {
 }
 
 void add_scene_options(CLI::App& app, Arguments& a) {
+  const std::size_t others = app.get_options().size();
   app.add_option(
          "--scenes", a.options.scenes,
          "Names of built-in scenes (see list), paper (its six), all, .glb, .gltf, .xml (Embree's) and .ecs "
@@ -47,6 +48,8 @@ void add_scene_options(CLI::App& app, Arguments& a) {
       ->delimiter(',')
       ->capture_default_str();
   add_making_options(app, a);
+  const std::vector<CLI::Option*> all = app.get_options();
+  a.scene_options.insert(a.scene_options.end(), all.begin() + static_cast<std::ptrdiff_t>(others), all.end());
 }
 
 void add_convert(CLI::App& app, Arguments& a) {

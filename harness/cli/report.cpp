@@ -114,19 +114,9 @@ class ReportRun {
     if (!fs::exists(record_file(part))) throw ScriptFailure{1};
   }
 
-  /// The options of scenes as the command line has them.
+  /// The options of scenes as they were given, and the threads.
   Words with_scenes(Words words) const {
-    words.insert(words.end(),
-                 {"--scenes", joined(options_.scenes), "--seed", fmt::format("{}", options_.seed)});
-    if (options_.scale) words.insert(words.end(), {"--scale", fmt::format("{}", *options_.scale)});
-    const GltfOptions defaults;
-    if (options_.gltf.steps != defaults.steps)
-      words.insert(words.end(), {"--steps", fmt::format("{}", options_.gltf.steps)});
-    if (!options_.gltf.clip.empty()) words.insert(words.end(), {"--clip", options_.gltf.clip});
-    if (options_.gltf.shutter_seconds) {
-      words.insert(words.end(), {"--shutter", fmt::format("{},{}", options_.gltf.shutter_seconds->begin,
-                                                          options_.gltf.shutter_seconds->end)});
-    }
+    words.insert(words.end(), options_.scene_words.begin(), options_.scene_words.end());
     words.insert(words.end(), {"--threads", fmt::format("{}", options_.threads)});
     return words;
   }

@@ -27,13 +27,16 @@ bool holds(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
+/// How scenes are made: nothing to these scenes, but each command must be told.
+constexpr const char* kOfGltf = "--shutter-mode loop --steps auto:1e-3";
+
 /// One report for all tests: making it takes seconds.
 class ReportPage : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
     fs::create_directories(root());
-    made() = stbvh_ab("report --quick --scenes wheels,cloth --scale 0.01 --structures embree,lbvh,stbvh -o " +
-                      path("page"));
+    made() = stbvh_ab("report --quick --scenes wheels,cloth --scale 0.01 " + std::string(kOfGltf) +
+                      " --structures embree,lbvh,stbvh -o " + path("page"));
   }
   static void TearDownTestSuite() { fs::remove_all(root()); }
 
@@ -72,6 +75,16 @@ TEST_F(ReportPage, NeedsNothingElseAndHoldsEveryPart) {
                      "Renderings 'Frozen times' 'stbvh-ab bench' 'stbvh-ab truth' RMSE"),
             "");
   EXPECT_TRUE(holds(content(path("page/index.html")), "<svg"));
+}
+
+TEST_F(ReportPage, HandsOnHowScenesAreMade) {
+  for (const std::string command : {"bench", "error", "render"}) {
+    const std::string log = made().out;
+    const std::size_t begin = log.find("-- stbvh-ab " + command + " ");
+    ASSERT_NE(begin, std::string::npos) << command << "\n" << log;
+    const std::string line = log.substr(begin, log.find('\n', begin) - begin);
+    EXPECT_TRUE(holds(line, kOfGltf)) << line;
+  }
 }
 
 TEST_F(ReportPage, IsMadeAnewWithoutMeasuring) {
