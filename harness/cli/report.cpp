@@ -7,6 +7,7 @@
 #include <map>
 
 #include "harness/cli/commands.h"
+#include "harness/cli/make_folder.h"
 #include "harness/cli/pareto.h"
 #include "harness/cli/report_pictures.h"
 #include "harness/cli/scene_source.h"

@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "harness/cli/commands.h"
+#include "harness/cli/make_folder.h"
 #include "harness/cli/report_pictures.h"
 #include "harness/cli/session.h"
 #include "harness/files/output_file.h"
