@@ -16,9 +16,10 @@ constexpr std::array<const char*, 3> kColors{"R", "G", "B"};
 
 }  // namespace
 
-LayeredImage mean_of_frozen_times(const Scene& scene, std::string_view structure,
-                                  const RenderSettings& settings, std::size_t count,
-                                  const FrozenProgress& progress) {
+std::optional<LayeredImage> mean_of_frozen_times(const Scene& scene, std::string_view structure,
+                                                 const RenderSettings& settings, std::size_t count,
+                                                 const FrozenProgress& progress,
+                                                 const std::atomic<bool>* stop) {
   std::array<std::vector<double>, 3> sums;
   for (std::vector<double>& sum : sums) sum.resize(settings.width * settings.height);
   RenderSettings one = settings;
@@ -31,7 +32,8 @@ LayeredImage mean_of_frozen_times(const Scene& scene, std::string_view structure
     one.seed = random();
     const Scene still = frozen(scene, static_cast<float>(time));
     const auto built = build_structure(structure, still, settings.threads);
-    const Rendering rendering = render(still, *built, one);
+    const Rendering rendering = render(still, *built, one, {}, stop);
+    if (!rendering.is_complete) return std::nullopt;
     for (std::size_t c = 0; c < 3; ++c) {
       const std::vector<float>& values = *rendering.image.find(kColors[c]);
       for (std::size_t p = 0; p < values.size(); ++p) sums[c][p] += static_cast<double>(values[p]);

@@ -1,4 +1,4 @@
-/// The command `render`: what it writes, what it refuses, and what is left when it is stopped.
+/// The command `render`: what it writes, what it refuses, and what is left when it or `truth` is stopped.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -120,6 +120,36 @@ TEST_F(RenderCommand, KeepsFinishedTilesWhenInterrupted) {
   for (float value : *image.find("R")) sum += static_cast<double>(value);
   EXPECT_GT(sum, 0);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2) << "a.exr and the log";
+}
+
+/// Runs `truth`, interrupted half a second after the shell condition `begun` holds; killed if that does
+/// nothing.
+Outcome interrupted_truth(const std::string& arguments, const std::string& log, const std::string& begun) {
+  const std::string command = "timeout -s KILL 100 " STBVH_AB " truth --scenes wheels --scale 0.01 " +
+                              arguments + " >" + log + " 2>&1 & until " + begun +
+                              "; do kill -0 $! || break; sleep 0.1; done; sleep 0.5; kill -INT $!; wait $!";
+  const int status = std::system(command.c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(log)};
+}
+
+TEST_F(RenderCommand, TruthStopsAtFrozenTimesWhenInterrupted) {
+  const std::string log = at("log"), out = at("out");
+  const Outcome run = interrupted_truth("--size 32x18 --frozen-times 1000000 -o " + out, log,
+                                        "grep -q triangles " + log);  // the scene is made
+  EXPECT_EQ(run.exit_code, 130) << run.out;
+  EXPECT_NE(run.out.find("stbvh-ab: Interrupted after "), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find(" of 1000000 frozen times: nothing is written."), std::string::npos) << run.out;
+  EXPECT_TRUE(fs::is_empty(out));
+}
+
+TEST_F(RenderCommand, TruthStopsAtMotionWhenInterrupted) {
+  const std::string log = at("log"), out = at("out");
+  const Outcome run = interrupted_truth("--size 200x120 --frozen-times 1 --spp 65536 -o " + out, log,
+                                        "test -e " + out + "/frozen-times.png");
+  EXPECT_EQ(run.exit_code, 130) << run.out;
+  EXPECT_NE(run.out.find(" samples per pixel: only the pictures of frozen times"), std::string::npos)
+      << run.out;
+  EXPECT_EQ(std::distance(fs::directory_iterator(out), {}), 2) << "the .exr and .png of frozen times";
 }
 
 }  // namespace
