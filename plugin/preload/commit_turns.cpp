@@ -8,7 +8,7 @@ CommitTurns::Turn::Turn(CommitTurns& turns) : turns_(turns), lock_(turns.mutex_,
   if (lock_.owns_lock()) return;
   const std::size_t failures_before = turns.failures_.load(std::memory_order_relaxed);
   while (!lock_.try_lock()) {
-    turns.help_.arena.execute([&] { turns.help_.group.wait(); });
+    turns.arena_.execute([&] { turns.group_.wait(); });
     std::this_thread::yield();
   }
   found_failure_ = turns.failures_.load(std::memory_order_relaxed) != failures_before;

@@ -14,6 +14,10 @@ namespace stbvh::preload {
 /// One thread at a time has the turn; those that wait for it work on what the one that has it builds.
 class CommitTurns {
  public:
+  /// At most `thread_limit` threads build, 0: all.
+  explicit CommitTurns(int thread_limit)
+      : arena_(thread_limit == 0 ? tbb::task_arena::automatic : thread_limit) {}
+
   /// Has the turn as long as it lives.
   class Turn {
    public:
@@ -27,10 +31,11 @@ class CommitTurns {
     template <typename Work>
     void run(Work&& work) {
       std::exception_ptr error;  // not through the task group: it could reach a thread that only helps
-      turns_.help_.arena.execute([&] {
-        turns_.help_.group.run_and_wait([&] {
+      turns_.arena_.execute([&] {
+        turns_.group_.run_and_wait([&] {
           try {
-            work();
+            // Nor does the holder take what a waiting thread leaves to others, which waits for the holder.
+            tbb::this_task_arena::isolate(work);
           } catch (...) {
             error = std::current_exception();
           }
@@ -46,16 +51,12 @@ class CommitTurns {
   };
 
  private:
-  /// An arena of its own: who builds here never picks up other work of the application meanwhile, which could
-  /// wait for this very turn.
-  struct Help {
-    tbb::task_arena arena;
-    tbb::task_group group;
-  };
-
   std::mutex mutex_;
   std::atomic<std::size_t> failures_{0};
-  Help help_;
+  /// An arena of its own: who builds here never picks up other work of the application meanwhile, which could
+  /// wait for this very turn.
+  tbb::task_arena arena_;
+  tbb::task_group group_;
 };
 
 }  // namespace stbvh::preload

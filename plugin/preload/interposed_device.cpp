@@ -12,7 +12,7 @@ extern "C" {
 RTCDevice rtcNewDevice(const char* config) {
   const RTCDevice device = real().rtcNewDevice(config);
   if (device == nullptr || !stbvh::preload::environment().enabled) return device;
-  stbvh::preload::track_device(device);
+  stbvh::preload::track_device(device, config);
   stbvh::preload::report_statistics_at_exit();
   return device;
 }

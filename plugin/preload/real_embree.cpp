@@ -25,9 +25,9 @@ void load(Function*& function, const char* name) {
 
 RealEmbree load_all() {
   RealEmbree functions;
-#define STBVH_LOAD(name) load(functions.name, #name);
-  STBVH_REAL_FUNCTIONS(STBVH_LOAD)
-#undef STBVH_LOAD
+#define STBVH_FUNCTION(name) load(functions.name, #name);
+#include "plugin/preload/real_functions.inl"
+#undef STBVH_FUNCTION
   return functions;
 }
 

@@ -41,6 +41,7 @@ GroupSettings TrackedScene::group_settings() const {
 TrackedScene::Plan TrackedScene::make_plan() const {
   const std::lock_guard lock(mutex_);
   Plan plan;
+  plan.attached = attachments_.size();
   plan.contents.push_back(edits_);
   for (const auto& [geom_id, attachment] : attachments_) {
     const std::shared_ptr<TrackedGeometry>& geometry = attachment.geometry;
@@ -53,7 +54,8 @@ TrackedScene::Plan TrackedScene::make_plan() const {
     if (geometry->enabled && !geometry->committed) plan.is_certain = false;
     if (geometry->instanced != nullptr) plan.contents.push_back(geometry->instanced->commits());
     if (geometry->type != RTC_GEOMETRY_TYPE_TRIANGLE) continue;
-    const StaysNative reason = geometry->why_native();
+    StaysNative reason = geometry->why_native();
+    if (reason == StaysNative::kNone && !device_->is_plain()) reason = StaysNative::kDevice;
     plan.meshes.emplace_back(geometry, reason);
     if (reason == StaysNative::kNone && geometry->enabled) {
       plan.members.push_back({geom_id, geometry, geometry->version});
@@ -71,7 +73,7 @@ void TrackedScene::build_group(const Plan& plan, CommitTurns::Turn& turn) {
   const GroupSettings settings = group_settings();
   set_own_share(0);
   if (group_->is_built_of(plan.members, settings)) return;
-  const double share = static_cast<double>(plan.members.size()) / static_cast<double>(attachments().size());
+  const double share = static_cast<double>(plan.members.size()) / static_cast<double>(plan.attached);
   set_own_share(share);
   turn.run([&] {
     group_->build(plan.members, settings, [&](double fraction) { return report_progress(share * fraction); });
@@ -111,7 +113,7 @@ TrackedScene::Next TrackedScene::carry_out(const Plan& plan, CommitTurns::Turn& 
   if (group_ == nullptr) group_ = std::make_unique<Group>(device_);
   build_group(plan, turn);
   const std::lock_guard lock(mutex_);
-  if (!proxy_id_) proxy_id_ = real().rtcAttachGeometry(handle_, group_->proxy());
+  attach_proxy();
   has_group_ = true;
   contents_ = plan.contents;
   return Next::kForward;

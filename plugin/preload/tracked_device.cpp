@@ -1,6 +1,10 @@
 #include "plugin/preload/tracked_device.h"
 
 #include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <string>
+#include <string_view>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -36,7 +40,18 @@ void keep_pending(RTCDevice handle, RTCError code) {
   if (!has_one) pending.emplace_back(handle, code);
 }
 
+bool hits_as_we_do(RTCDevice device) {
+  const auto property = [&](RTCDeviceProperty which) { return real().rtcGetDeviceProperty(device, which); };
+  return property(RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) != 0 &&
+         property(RTC_DEVICE_PROPERTY_BACKFACE_CULLING_ENABLED) == 0 &&
+         property(RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED) != 0 &&
+         property(RTC_DEVICE_PROPERTY_USER_GEOMETRY_SUPPORTED) != 0;
+}
+
 }  // namespace
+
+TrackedDevice::TrackedDevice(RTCDevice handle, int thread_limit)
+    : handle_(handle), thread_limit_(thread_limit), is_plain_(hits_as_we_do(handle)) {}
 
 void TrackedDevice::set_error_function(RTCErrorFunction function, void* user_ptr) {
   const std::lock_guard lock(mutex_);
@@ -84,8 +99,24 @@ std::shared_ptr<TrackedDevice> find_device(RTCDevice handle) {
   return found == devices().by_handle.end() ? nullptr : found->second;
 }
 
-void track_device(RTCDevice handle) {
-  auto device = std::make_shared<TrackedDevice>(handle);
+int thread_limit_of(const char* config) {
+  std::string text(config == nullptr ? "" : config);
+  std::erase_if(text, [](unsigned char c) { return std::isspace(c) != 0; });
+  constexpr std::string_view kKey = "threads=";
+  for (std::size_t start = 0; start < text.size();) {
+    const std::size_t end = std::min(text.find(',', start), text.size());
+    if (text.compare(start, kKey.size(), kKey) == 0) {
+      int threads = 0;
+      std::from_chars(text.data() + start + kKey.size(), text.data() + end, threads);
+      return std::max(threads, 0);
+    }
+    start = end + 1;
+  }
+  return 0;
+}
+
+void track_device(RTCDevice handle, const char* config) {
+  auto device = std::make_shared<TrackedDevice>(handle, thread_limit_of(config));
   real().rtcSetDeviceErrorFunction(handle, TrackedDevice::on_error, device.get());
   const std::lock_guard lock(devices().mutex);
   devices().by_handle[handle] = std::move(device);

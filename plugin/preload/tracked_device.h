@@ -13,9 +13,14 @@ namespace stbvh::preload {
 /// What the application set on a device. Embree's own error function is always ours, which passes errors on.
 class TrackedDevice {
  public:
-  explicit TrackedDevice(RTCDevice handle) : handle_(handle) {}
+  TrackedDevice(RTCDevice handle, int thread_limit);
 
   RTCDevice handle() const { return handle_; }
+  /// Threads that may build; 0: all.
+  int thread_limit() const { return thread_limit_; }
+
+  /// Whether triangles are hit as our structure hits them: masks and filters count, backs are hit.
+  bool is_plain() const { return is_plain_; }
 
   void set_error_function(RTCErrorFunction function, void* user_ptr);
   void set_memory_monitor(RTCMemoryMonitorFunction function, void* user_ptr);
@@ -34,7 +39,9 @@ class TrackedDevice {
  private:
   void tell(RTCError code, const char* message);
 
-  RTCDevice handle_;
+  const RTCDevice handle_;
+  const int thread_limit_;
+  const bool is_plain_;
   std::mutex mutex_;
   RTCErrorFunction error_function_ = nullptr;
   void* error_user_ptr_ = nullptr;
@@ -45,8 +52,11 @@ class TrackedDevice {
 /// The device of a handle that rtcNewDevice returned, or null.
 std::shared_ptr<TrackedDevice> find_device(RTCDevice handle);
 
-/// After rtcNewDevice.
-void track_device(RTCDevice handle);
+/// After rtcNewDevice with `config`, which may be null.
+void track_device(RTCDevice handle, const char* config);
+
+/// The value of `threads` in a device's configuration ("threads=4,isa=avx2"); 0 without one.
+int thread_limit_of(const char* config);
 
 /// An error of ours that this thread has not asked for, taken away; RTC_ERROR_NONE without one.
 RTCError take_pending_error(RTCDevice handle);

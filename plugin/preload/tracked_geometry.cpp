@@ -15,14 +15,6 @@ bool is_bound(RTCGeometry geometry, RTCBufferType type, unsigned slot, const Bou
   return buffer.data != nullptr && real().rtcGetGeometryBufferData(geometry, type, slot) == buffer.data;
 }
 
-bool device_is_plain(RTCDevice device) {
-  const auto property = [&](RTCDeviceProperty which) { return real().rtcGetDeviceProperty(device, which); };
-  return property(RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) != 0 &&
-         property(RTC_DEVICE_PROPERTY_BACKFACE_CULLING_ENABLED) == 0 &&
-         property(RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED) != 0 &&
-         property(RTC_DEVICE_PROPERTY_USER_GEOMETRY_SUPPORTED) != 0;
-}
-
 }  // namespace
 
 const char* describe(StaysNative reason) {
@@ -34,7 +26,7 @@ const char* describe(StaysNative reason) {
     case StaysNative::kUncommitted:
       return "changed and not committed";
     case StaysNative::kBuffers:
-      return "buffers missing or of different sizes";
+      return "buffers missing or not alike";
     case StaysNative::kTimeRange:
       return "time range empty or not finite";
     case StaysNative::kTooLarge:
@@ -100,8 +92,7 @@ StaysNative TrackedGeometry::why_native() const {
                          time_range.begin < time_range.end &&
                          std::isfinite(time_range.end - time_range.begin);
   if (!has_times) return StaysNative::kTimeRange;
-  if (!has_buffers()) return StaysNative::kBuffers;
-  return device_is_plain(device) ? StaysNative::kNone : StaysNative::kDevice;
+  return has_buffers() ? StaysNative::kNone : StaysNative::kBuffers;
 }
 
 bool TrackedGeometry::has_buffers() const {
@@ -109,7 +100,9 @@ bool TrackedGeometry::has_buffers() const {
   if (!is_bound(handle, RTC_BUFFER_TYPE_INDEX, 0, indices)) return false;
   for (unsigned step = 0; step < step_count; ++step) {
     if (!is_bound(handle, RTC_BUFFER_TYPE_VERTEX, step, vertices[step])) return false;
-    if (vertices[step].count != vertices[0].count) return false;
+    // Embree wants them alike, and says so where they are not.
+    if (vertices[step].count != vertices[0].count || vertices[step].stride != vertices[0].stride)
+      return false;
   }
   return true;
 }

@@ -64,7 +64,7 @@ class TrackedGeometry {
   /// Whether a group answers for it instead.
   bool is_taken_over();
 
-  /// Does not look at whether it is enabled.
+  /// Does not look at whether it is enabled, nor at the device.
   StaysNative why_native() const;
 
   const RTCGeometry handle;

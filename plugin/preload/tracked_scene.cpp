@@ -40,15 +40,24 @@ void TrackedScene::withdraw_proxy() {
   proxy_id_.reset();
 }
 
-/// Runs `change` on Embree's scene as the application knows it, without the proxy, so that IDs and errors are
-/// Embree's. Where `change` failed (false) all stays as it was: the application may go on tracing rays.
-void TrackedScene::edit(const std::function<bool()>& change) {
-  const std::lock_guard lock(mutex_);
+void TrackedScene::attach_proxy() {
+  if (proxy_id_) return;
+  // So far above that what the application attaches next gets the IDs that it would get without us.
+  constexpr unsigned kSpareIds = 64;
+  const unsigned proxy_id = (attachments_.empty() ? 0 : attachments_.rbegin()->first + 1) + kSpareIds;
+  real().rtcAttachGeometryByID(handle_, group_->proxy(), proxy_id);
+  proxy_id_ = proxy_id;
+}
+
+/// Runs `change` on Embree's scene, without the proxy if its ID may be needed, so that IDs and errors are
+/// those of Embree. Where `change` failed (false) all stays as it was: the application may go on tracing
+/// rays.
+void TrackedScene::edit(bool needs_proxys_id, const std::function<bool()>& change) {
   const std::optional<unsigned> proxy_id = proxy_id_;
-  withdraw_proxy();
+  if (needs_proxys_id) withdraw_proxy();
   if (change()) {
     edits_ = next_version();
-  } else if (proxy_id) {
+  } else if (proxy_id && !proxy_id_) {
     real().rtcAttachGeometryByID(handle_, group_->proxy(), *proxy_id);
     proxy_id_ = proxy_id;
   }
@@ -56,7 +65,9 @@ void TrackedScene::edit(const std::function<bool()>& change) {
 
 unsigned TrackedScene::attach(RTCGeometry geometry) {
   unsigned geom_id = RTC_INVALID_GEOMETRY_ID;
-  edit([&] {
+  const std::lock_guard lock(mutex_);
+  // Embree gives the lowest free ID.
+  edit(proxy_id_ == attachments_.size(), [&] {
     geom_id = real().rtcAttachGeometry(handle_, geometry);
     if (geom_id == RTC_INVALID_GEOMETRY_ID) return false;
     attachments_[geom_id] = {geometry, geometries().find(geometry)};
@@ -66,7 +77,8 @@ unsigned TrackedScene::attach(RTCGeometry geometry) {
 }
 
 void TrackedScene::attach_by_id(RTCGeometry geometry, unsigned geom_id) {
-  edit([&] {
+  const std::lock_guard lock(mutex_);
+  edit(proxy_id_ == geom_id, [&] {
     const ErrorWatch watch;
     real().rtcAttachGeometryByID(handle_, geometry, geom_id);
     if (watch.failed() || geometry == nullptr) return false;
@@ -76,7 +88,8 @@ void TrackedScene::attach_by_id(RTCGeometry geometry, unsigned geom_id) {
 }
 
 void TrackedScene::detach(unsigned geom_id) {
-  edit([&] {
+  const std::lock_guard lock(mutex_);
+  edit(proxy_id_ == geom_id, [&] {
     const ErrorWatch watch;
     real().rtcDetachGeometry(handle_, geom_id);
     if (watch.failed()) return false;

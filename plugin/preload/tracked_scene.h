@@ -28,12 +28,12 @@ struct Attachment {
 using Attachments = std::map<unsigned, Attachment>;
 
 /// Taken-over meshes stay attached to Embree's scene, where they keep their IDs, but disabled; the group's
-/// user geometry is attached beside them, under an ID that the application has not, from a commit on until
-/// the application attaches or detaches something.
+/// user geometry is attached beside them, some way above the application's IDs. It stays there for as long as
+/// possible: a scene that was changed and not yet committed may still be traced as part of another.
 class TrackedScene {
  public:
   TrackedScene(RTCScene handle, std::shared_ptr<TrackedDevice> device)
-      : handle_(handle), device_(std::move(device)) {}
+      : handle_(handle), device_(std::move(device)), turns_(device_->thread_limit()) {}
   ~TrackedScene();
   TrackedScene(const TrackedScene&) = delete;
   TrackedScene& operator=(const TrackedScene&) = delete;
@@ -64,6 +64,7 @@ class TrackedScene {
   struct Plan {
     std::vector<std::pair<std::shared_ptr<TrackedGeometry>, StaysNative>> meshes;  ///< triangle meshes
     std::vector<Member> members;
+    std::size_t attached = 0;
     std::vector<std::uint64_t> contents;  ///< IDs and versions of everything
     bool is_certain = true;               ///< equal `contents` mean that nothing has changed
   };
@@ -77,7 +78,8 @@ class TrackedScene {
   void cancel_embrees_build();
   void forward(bool join);
   void set_own_share(double share);
-  void edit(const std::function<bool()>& change);
+  void edit(bool needs_proxys_id, const std::function<bool()>& change);
+  void attach_proxy();
   void withdraw_proxy();
   void say(const Plan& plan) const;
   GroupSettings group_settings() const;

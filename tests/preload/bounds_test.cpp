@@ -31,7 +31,7 @@ TEST(PreloadBounds, OfOneMeshWithAnySteps) {
     Twice twice;
     twice.add(mesh);
     twice.commit();
-    EXPECT_TRUE(is_taken_over(twice.our_scene, 1));
+    EXPECT_TRUE(is_taken_over(twice.our_scene));
     expect_same_bounds(twice.our_scene, twice.native_scene);
   }
 }
@@ -57,7 +57,7 @@ TEST(PreloadBounds, OfSeveralMeshesWithDifferentSteps) {
     Twice twice;
     for (const Mesh* const mesh : {&a, &b, &c, &still}) twice.add(*mesh);
     twice.commit();
-    EXPECT_TRUE(is_taken_over(twice.our_scene, 4));
+    EXPECT_TRUE(is_taken_over(twice.our_scene));
     expect_same_bounds(twice.our_scene, twice.native_scene);
   }
 }

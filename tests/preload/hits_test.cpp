@@ -27,10 +27,31 @@ TEST(PreloadHits, AreThoseOfEmbreeInAllKindsOfScenes) {
       });
       for (const Mesh& mesh : f.meshes) twice.add(mesh);
       twice.commit();
-      EXPECT_TRUE(is_taken_over(twice.our_scene, 4));
+      EXPECT_TRUE(is_taken_over(twice.our_scene));
       expect_same_hits(twice.our_scene, twice.native_scene, random_rays(11, 2000));
     }
   }
+}
+
+/// Members of a ray and its hit, each 4 bytes; in a packet each lies `size` times side by side.
+constexpr unsigned kMembers = 12 + 7 + RTC_MAX_INSTANCE_LEVEL_COUNT;
+
+template <typename Packet, unsigned kSize>
+void put(Packet& packet, unsigned lane, const RTCRayHit& ray) {
+  for (unsigned m = 0; m < kMembers; ++m) {
+    std::memcpy(reinterpret_cast<char*>(&packet) + 4 * (m * kSize + lane),
+                reinterpret_cast<const char*>(&ray) + 4 * m, 4);
+  }
+}
+
+template <typename Packet, unsigned kSize>
+RTCRayHit get(const Packet& packet, unsigned lane) {
+  RTCRayHit ray;
+  for (unsigned m = 0; m < kMembers; ++m) {
+    std::memcpy(reinterpret_cast<char*>(&ray) + 4 * m,
+                reinterpret_cast<const char*>(&packet) + 4 * (m * kSize + lane), 4);
+  }
+  return ray;
 }
 
 template <typename Packet, unsigned kSize>
@@ -41,28 +62,19 @@ void expect_same_packets(RTCScene own, RTCScene reference,
   for (unsigned first = 0; first < rays.size(); first += kSize) {
     alignas(64) Packet packets[2];
     alignas(64) int valid[kSize];
-    for (unsigned i = 0; i < kSize; ++i) valid[i] = random.unit() < 0.7f ? -1 : 0;
-    for (Packet& packet : packets) {
-      RTCRayHitN* const n = reinterpret_cast<RTCRayHitN*>(&packet);
-      for (unsigned i = 0; i < kSize; ++i) {
-        rtcCopyRayToRayN(RTCRayHitN_RayN(n, kSize), &rays[first + i].ray, kSize, i);
-        rtcCopyHitToHitN(RTCRayHitN_HitN(n, kSize), &rays[first + i].hit, kSize, i);
-      }
+    for (unsigned i = 0; i < kSize; ++i) {
+      valid[i] = random.unit() < 0.7f ? -1 : 0;
+      for (Packet& packet : packets) put<Packet, kSize>(packet, i, rays[first + i]);
     }
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     intersect(valid, own, &context, &packets[0]);
     intersect(valid, reference, &context, &packets[1]);
     for (unsigned i = 0; i < kSize; ++i) {
-      RTCRayHit hit[2];
-      for (int side = 0; side < 2; ++side) {
-        hit[side] = rtcGetRayHitFromRayHitN(reinterpret_cast<RTCRayHitN*>(&packets[side]), kSize, i);
-      }
-      expect_same_hit(hit[0], hit[1]);
-      if (valid[i] == 0) {
-        EXPECT_EQ(hit[0].hit.geomID, RTC_INVALID_GEOMETRY_ID);
-        EXPECT_EQ(hit[0].ray.tfar, rays[first + i].ray.tfar);
-      }
+      const RTCRayHit hit = get<Packet, kSize>(packets[0], i);
+      expect_same_hit(hit, get<Packet, kSize>(packets[1], i));
+      if (valid[i] != 0) continue;
+      EXPECT_EQ(std::memcmp(&hit, &rays[first + i], 4 * kMembers), 0);
     }
   }
 }
@@ -113,7 +125,7 @@ TEST(PreloadHits, OutsideItsTimeRangeAMeshIsInvisible) {
   twice.add(early);
   twice.add(late);
   twice.commit();
-  EXPECT_TRUE(is_taken_over(twice.our_scene, 2));
+  EXPECT_TRUE(is_taken_over(twice.our_scene));
   for (const float time : {0.0f, 0.1f, 0.24f, 0.26f, 0.4f, 0.49f, 0.51f, 0.75f, 1.0f}) {
     EXPECT_EQ(geom_id_hit(twice.our_scene, 0, 0, time), geom_id_hit(twice.native_scene, 0, 0, time)) << time;
   }
@@ -192,8 +204,12 @@ TEST_F(Filters, OfMeshesSeeEveryCandidateInTheApplicationsOwnRayAndContext) {
     EXPECT_GE(context.seen.size(), std::min<std::size_t>(3, static_cast<std::size_t>(rejected) + 1));
     WideContext native_context;
     const WideRay reference = trace(twice.native_scene, rejected, false, native_context);
-    if (rejected == 0 || rejected == 3) EXPECT_EQ(ray.ray_hit.hit.geomID, reference.ray_hit.hit.geomID);
-    if (rejected == 3) EXPECT_EQ(ray.ray_hit.ray.tfar, std::numeric_limits<float>::infinity());
+    if (rejected == 0 || rejected == 3) {
+      EXPECT_EQ(ray.ray_hit.hit.geomID, reference.ray_hit.hit.geomID);
+    }
+    if (rejected == 3) {
+      EXPECT_EQ(ray.ray_hit.ray.tfar, std::numeric_limits<float>::infinity());
+    }
   }
 }
 
@@ -220,6 +236,7 @@ TEST(PreloadFilters, OfTheContextRunOnlyWhereTheSceneAsksForThem) {
     twice.add(mesh);
     twice.commit();
     for (const RTCScene scene : {twice.our_scene, twice.native_scene}) {
+      if (scene == twice.native_scene && !asks) continue;  // Debian's Embree stops in an assertion
       RTCIntersectContext context;
       rtcInitIntersectContext(&context);
       context.filter = reject_all;

@@ -6,18 +6,10 @@
 #include <cstdlib>
 #include <limits>
 
+#include "plugin/preload/tracked_scene.h"
+
 namespace stbvh::preload_test {
 namespace {
-
-Embree load(void* library) {
-  Embree embree{};
-#define STBVH_TEST_LOAD(name)                                               \
-  embree.name = reinterpret_cast<decltype(&::name)>(dlsym(library, #name)); \
-  if (embree.name == nullptr) std::abort();
-  STBVH_TEST_FUNCTIONS(STBVH_TEST_LOAD)
-#undef STBVH_TEST_LOAD
-  return embree;
-}
 
 bool close(float a, float b, float magnitude) {
   return std::fabs(a - b) <= 2e-4f * std::max(1.0f, magnitude);
@@ -26,12 +18,27 @@ bool close(float a, float b, float magnitude) {
 }  // namespace
 
 const Embree& ours() {
-  static const Embree kOurs = load(RTLD_DEFAULT);
+  static const Embree kOurs = [] {
+    Embree embree;
+#define STBVH_FUNCTION(name) embree.name = &::name;
+#include "tests/preload/embree_functions.inl"
+#undef STBVH_FUNCTION
+    return embree;
+  }();
   return kOurs;
 }
 
 const Embree& native() {
-  static const Embree kNative = load(dlopen("libembree3.so.3", RTLD_LAZY | RTLD_NOLOAD));
+  static const Embree kNative = [] {
+    void* const library = dlopen("libembree3.so.3", RTLD_LAZY | RTLD_NOLOAD);
+    Embree embree;
+#define STBVH_FUNCTION(name)                                                \
+  embree.name = reinterpret_cast<decltype(&::name)>(dlsym(library, #name)); \
+  if (embree.name == nullptr) std::abort();
+#include "tests/preload/embree_functions.inl"
+#undef STBVH_FUNCTION
+    return embree;
+  }();
   return kNative;
 }
 
@@ -84,9 +91,8 @@ unsigned attach(const Embree& embree, RTCScene scene, RTCGeometry geometry) {
   return geom_id;
 }
 
-bool is_taken_over(RTCScene scene, unsigned count) {
-  // The proxy has the lowest ID that is free.
-  return native().rtcGetGeometry(scene, count) != nullptr;
+bool is_taken_over(RTCScene scene) {
+  return preload::scenes().find(scene)->has_group();
 }
 
 Twice::Twice()

@@ -1,7 +1,8 @@
 /// The same scene twice: through the preload library, and in Embree alone.
 ///
-/// The tests are linked to libstbvh_preload ahead of libembree3, so that rtc* are its functions, as under
-/// LD_PRELOAD; Embree's own are looked up in libembree3. Functions that trace rays are Embree's in both.
+/// The tests have the preload library's functions in the program itself, so that they come before Embree's,
+/// as under LD_PRELOAD; Embree's own are looked up in libembree3. Functions that trace rays are Embree's in
+/// both.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -14,33 +15,10 @@
 
 namespace stbvh::preload_test {
 
-#define STBVH_TEST_FUNCTIONS(X)                                                                              \
-  X(rtcNewDevice)                                                                                            \
-  X(rtcReleaseDevice) X(rtcGetDeviceError) X(rtcSetDeviceErrorFunction) X(rtcSetDeviceMemoryMonitorFunction) \
-      X(rtcNewBuffer) X(rtcGetBufferData) X(rtcReleaseBuffer) X(rtcNewScene) X(rtcRetainScene)               \
-          X(rtcReleaseScene) X(rtcAttachGeometry) X(rtcAttachGeometryByID) X(rtcDetachGeometry)              \
-              X(rtcGetGeometry) X(rtcGetGeometryThreadSafe) X(rtcCommitScene) X(rtcJoinCommitScene)          \
-                  X(rtcSetSceneProgressMonitorFunction) X(rtcSetSceneBuildQuality) X(rtcSetSceneFlags)       \
-                      X(rtcGetSceneBounds) X(rtcGetSceneLinearBounds) X(rtcPointQuery) X(rtcPointQuery4)     \
-                          X(rtcNewGeometry) X(rtcRetainGeometry) X(rtcReleaseGeometry) X(rtcCommitGeometry)  \
-                              X(rtcEnableGeometry) X(rtcDisableGeometry) X(rtcSetGeometryTimeStepCount)      \
-                                  X(rtcSetGeometryTimeRange) X(rtcSetGeometryMask)                           \
-                                      X(rtcSetGeometryBuildQuality) X(rtcSetGeometryBuffer)                  \
-                                          X(rtcSetSharedGeometryBuffer) X(rtcSetNewGeometryBuffer)           \
-                                              X(rtcGetGeometryBufferData) X(rtcUpdateGeometryBuffer)         \
-                                                  X(rtcSetGeometryIntersectFilterFunction)                   \
-                                                      X(rtcSetGeometryOccludedFilterFunction)                \
-                                                          X(rtcSetGeometryUserData)                          \
-                                                              X(rtcGetGeometryUserData)                      \
-                                                                  X(rtcSetGeometryPointQueryFunction)        \
-                                                                      X(rtcSetGeometryInstancedScene)        \
-                                                                          X(rtcSetGeometryTransform)         \
-                                                                              X(rtcInterpolate)
-
 struct Embree {
-#define STBVH_TEST_MEMBER(name) decltype(&::name) name;
-  STBVH_TEST_FUNCTIONS(STBVH_TEST_MEMBER)
-#undef STBVH_TEST_MEMBER
+#define STBVH_FUNCTION(name) decltype(&::name) name;
+#include "tests/preload/embree_functions.inl"
+#undef STBVH_FUNCTION
 };
 
 /// What an application calls that has the preload library before its Embree.
@@ -85,9 +63,8 @@ RTCGeometry new_mesh(const Embree& embree, RTCDevice device, Mesh&& mesh) = dele
 /// Commits, attaches and releases.
 unsigned attach(const Embree& embree, RTCScene scene, RTCGeometry geometry);
 
-/// Whether a user geometry stands for some of the meshes that are attached to `scene` under IDs below
-/// `count`.
-bool is_taken_over(RTCScene scene, unsigned count);
+/// Whether a structure of ours answers for meshes of this scene.
+bool is_taken_over(RTCScene scene);
 
 /// A device of each and a scene of each, with the same contents.
 class Twice {
