@@ -85,7 +85,14 @@ void check_shutter_mode(const std::string& mode, GltfOptions& gltf) {
   gltf.shutter_mode = known == kModes.begin() ? ShutterMode::kClamp : ShutterMode::kLoop;
 }
 
-void check_scenes(Arguments& a, const CLI::App& command) {
+void check_range(const char* option, std::size_t value, std::size_t most) {
+  if (value < 1 || value > most)
+    throw UsageError(fmt::format("{} must be 1 to {}, not {}.", option, most, value));
+}
+
+}  // namespace
+
+void check_scene_options(Arguments& a, const CLI::App& command) {
   Options& o = a.options;
   o.scenes = named_scenes(o.scenes);
   check_scale(a, command);
@@ -117,6 +124,17 @@ void check_structures(Options& o) {
   o.structures = std::move(chosen);
 }
 
+void check_threads(Options& o) {
+  std::vector<unsigned>& counts = o.thread_counts;
+  if (counts.empty()) counts = {o.threads};
+  for (unsigned count : counts) check_range("--threads", count, usable_core_count());
+  std::sort(counts.begin(), counts.end());
+  counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
+  o.threads = counts.back();
+}
+
+namespace {
+
 void check_families(Options& o) {
   std::vector<std::string_view> known;
   for (const HardFamily& family : hard_families()) known.push_back(family.name);
@@ -146,20 +164,6 @@ void check_rays(Arguments& a) {
       a.options.rays.push_back(kind);
     }
   }
-}
-
-void check_range(const char* option, std::size_t value, std::size_t most) {
-  if (value < 1 || value > most)
-    throw UsageError(fmt::format("{} must be 1 to {}, not {}.", option, most, value));
-}
-
-void check_threads(Options& o) {
-  std::vector<unsigned>& counts = o.thread_counts;
-  if (counts.empty()) counts = {o.threads};
-  for (unsigned count : counts) check_range("--threads", count, usable_core_count());
-  std::sort(counts.begin(), counts.end());
-  counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
-  o.threads = counts.back();
 }
 
 void check_trace(Arguments& a) {
@@ -278,6 +282,21 @@ std::pair<double, double> parse_pair(std::string_view text, char separator, std:
   return {*first, *second};
 }
 
+Vec3f parse_point(std::string_view text, std::string_view option) {
+  std::array<float, 3> numbers{};
+  std::string_view rest = text;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t end = i < 2 ? std::min(rest.find(','), rest.size()) : rest.size();
+    const auto number = parse_number(rest.substr(0, end));
+    if (!number || !std::isfinite(static_cast<float>(*number))) {
+      throw UsageError(fmt::format("{} takes three numbers with \",\" between, not \"{}\".", option, text));
+    }
+    numbers[i] = static_cast<float>(*number);
+    rest = rest.substr(std::min(end + 1, rest.size()));
+  }
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
 std::string_view over_name(Over over) {
   return kOverNames[static_cast<std::size_t>(over)];
 }
@@ -306,7 +325,7 @@ Options checked_options(Arguments a, const CLI::App& command) {
     check_scaling(a, command);
     return a.options;
   }
-  check_scenes(a, command);
+  check_scene_options(a, command);
   if (name == "pareto") {
     a.options.command = Command::kPareto;
     check_pareto(a, command);
