@@ -80,6 +80,9 @@ void draw_structure_choice(PreviewModel& model, std::size_t slot) {
 
 void draw_figures(const SessionState& state) {
   if (!ImGui::BeginTable("figures", 3, ImGuiTableFlags_BordersInnerV)) return;
+  ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthStretch, 2);
+  ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthStretch, 1.4f);
+  ImGui::TableSetupColumn("", ImGuiTableColumnFlags_WidthStretch, 1.4f);
   const auto row = [&](const char* name, auto value) {
     ImGui::TableNextRow();
     ImGui::TableNextColumn();
@@ -96,7 +99,7 @@ void draw_figures(const SessionState& state) {
   row("MB", [&](std::size_t s) {
     return fmt::format("{:.2f}", static_cast<double>(record(s).structure_bytes) / 1e6);
   });
-  row("Mrays/s, thread",
+  row("Mrays/s a thread",
       [&](std::size_t s) { return fmt::format("{:.3f}", figures.mrays_per_thread_second(s)); });
   row("leaks", [&](std::size_t s) { return fmt::format("{}", figures.leaks[s]); });
   ImGui::EndTable();

@@ -23,8 +23,11 @@ WindowArea picture_area(const PanelState& panels, float width, float height, flo
 void draw_panels(PreviewModel& model, PanelState& panels, const FrameTimes& times, const WindowArea& area,
                  Window& window);
 
-/// What the mouse and keys do to the picture in `area`, and the line between A and B.
+/// What the mouse and keys do to the picture in `area`.
 void handle_picture_input(PreviewModel& model, PanelState& panels, const WindowArea& area, Window& window);
+
+/// The line between A and B.
+void draw_split_line(const PreviewModel& model, const WindowArea& area, float scale);
 
 /// The window of the time line of a subtree.
 void draw_time_line(PreviewModel& model, const WindowArea& area, float scale);

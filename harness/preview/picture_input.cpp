@@ -40,11 +40,15 @@ void handle_keys(PreviewModel& model, PanelState& panels, Window& window) {
   if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Tab), false)) panels.is_shown = !panels.is_shown;
 }
 
+bool shows_split(const PreviewModel& model) {
+  return model.view_options.mode == ViewMode::kSplit && model.state().picture &&
+         model.state().picture->slots == kSlots;
+}
+
 /// Whether the mouse has the line between A and B.
 bool handle_split(PreviewModel& model, PanelState& panels, const WindowArea& area, float scale) {
   ViewOptions& view = model.view_options;
-  if (view.mode != ViewMode::kSplit || !model.state().picture || model.state().picture->slots < kSlots)
-    return false;
+  if (!shows_split(model)) return false;
   const ImGuiIO& io = ImGui::GetIO();
   const float x = area.x + static_cast<float>(view.split) * area.width;
   const bool is_near = std::abs(io.MousePos.x - x) < kSplitReach * scale && !io.WantCaptureMouse;
@@ -53,13 +57,17 @@ bool handle_split(PreviewModel& model, PanelState& panels, const WindowArea& are
   if (panels.drags_split)
     view.split = std::clamp(static_cast<double>((io.MousePos.x - area.x) / area.width), 0.0, 1.0);
   if (is_near || panels.drags_split) ImGui::SetMouseCursor(ImGuiMouseCursor_ResizeEW);
-  const float now = area.x + static_cast<float>(view.split) * area.width;
-  ImGui::GetBackgroundDrawList()->AddLine({now, area.y}, {now, area.y + area.height},
-                                          IM_COL32(255, 255, 255, 200), scale);
   return panels.drags_split;
 }
 
 }  // namespace
+
+void draw_split_line(const PreviewModel& model, const WindowArea& area, float scale) {
+  if (!shows_split(model)) return;
+  const float x = area.x + static_cast<float>(std::clamp(model.view_options.split, 0.0, 1.0)) * area.width;
+  ImGui::GetBackgroundDrawList()->AddLine({x, area.y}, {x, area.y + area.height},
+                                          IM_COL32(255, 255, 255, 200), scale);
+}
 
 void handle_picture_input(PreviewModel& model, PanelState& panels, const WindowArea& area, Window& window) {
   const ImGuiIO& io = ImGui::GetIO();

@@ -76,8 +76,8 @@ void PreviewModel::update(double elapsed, std::size_t width, std::size_t height)
   state_ = session_.state();
   if (state_.scene_number != scene_now) state_.scene_number = scene_now;  // seen as new in the next call
   const LoadProgress loading = load_progress();
-  if (was_loading_ && !loading.is_busy && !loading.problem.empty()) say(loading.problem);
-  was_loading_ = loading.is_busy;
+  if (loading.ended != requests_ended_ && !loading.problem.empty()) say(loading.problem);
+  requests_ended_ = loading.ended;
 }
 
 float PreviewModel::tree_time() const {

@@ -119,7 +119,7 @@ class PreviewModel {
   mutable std::mutex message_mutex_;
   std::string message_;
   std::size_t saving_ = 0;  ///< files that are still to be written
-  bool was_loading_ = false;
+  std::size_t requests_ended_ = 0;
   PreviewSession session_;  ///< the last: its threads call back
 };
 

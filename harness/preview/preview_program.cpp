@@ -82,6 +82,7 @@ class Preview final : public ScriptStage {
     model_.update(elapsed, pixels.width, pixels.height);
     const ViewImage& view = model_.view();
     window_.show_image(view.image, view.number, area);
+    draw_split_line(model_, area, window_.scale());
     draw_panels(model_, panels_, times_, area, window_);
     window_.end_frame([this] {
       if (screenshot_) write_png(window_.read_frame(), *std::exchange(screenshot_, std::nullopt));
@@ -93,8 +94,7 @@ class Preview final : public ScriptStage {
   /// The first scene that cannot be read ends the program: there is nothing to stay.
   void fail_without_a_scene() {
     const LoadProgress loading = model_.load_progress();
-    if (!loading.is_busy && !loading.problem.empty() && model_.state().scene_number == 0 &&
-        is_batch())
+    if (!loading.is_busy && !loading.problem.empty() && model_.state().scene_number == 0 && is_batch())
       throw UsageError(loading.problem);
   }
   bool is_batch() const { return options_.screenshot || options_.script; }

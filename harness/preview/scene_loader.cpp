@@ -28,9 +28,10 @@ void SceneLoader::request(LoadRequest request) {
   {
     const std::lock_guard lock(mutex_);
     // A scene that is still to be loaded is not forgotten where only structures are chosen meanwhile.
-    if (!request.source && next_) {
-      request.source = next_->source;
-      request.asked_scene = next_->asked_scene;
+    const std::optional<LoadRequest>& unfinished = next_ ? next_ : opening_;
+    if (!request.source && unfinished) {
+      request.source = unfinished->source;
+      request.asked_scene = unfinished->asked_scene;
     }
     next_ = std::move(request);
     cancelled_ = progress_.is_busy;
@@ -66,6 +67,7 @@ void SceneLoader::serve() {
     wake_.wait(lock, [this] { return quit_ || next_; });
     if (quit_) return;
     const LoadRequest request = std::exchange(next_, std::nullopt).value();
+    if (request.source) opening_ = request;
     cancelled_ = false;
     lock.unlock();
     std::string problem;
@@ -79,9 +81,11 @@ void SceneLoader::serve() {
       problem = e.what();
     }
     lock.lock();
+    opening_.reset();
     if (next_) continue;  // what was wrong with an older request is of no interest
     progress_.is_busy = false;
     progress_.problem = problem;
+    ++progress_.ended;
   }
 }
 
@@ -97,6 +101,10 @@ void SceneLoader::carry_out(const LoadRequest& request) {
     pair[slot] = name.empty() ? nullptr : build(scene, asked, name);
     if (slot == 0 && pair[1] && pair[1]->scene != scene) pair[1] = nullptr;
     present_ = pair;
+    {
+      const std::lock_guard lock(mutex_);
+      opening_.reset();
+    }
     deliver_(pair);
   }
 }

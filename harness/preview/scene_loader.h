@@ -26,6 +26,7 @@ struct LoadProgress {
   std::string stage;       ///< what is being done
   double fraction = 0;     ///< of it
   std::string problem;     ///< one sentence: why the last request could not be done; empty: it was
+  std::size_t ended = 0;   ///< requests that were done, or could not be
   std::size_t builds = 0;  ///< structures built so far
 };
 
@@ -60,6 +61,7 @@ class SceneLoader {
   mutable std::mutex mutex_;
   std::condition_variable wake_;
   std::optional<LoadRequest> next_;
+  std::optional<LoadRequest> opening_;  ///< under way, with a scene of which nothing has been delivered yet
   LoadProgress progress_;
   bool quit_ = false;
   std::atomic<bool> cancelled_{false};

@@ -11,6 +11,7 @@ namespace stbvh::harness {
 namespace {
 
 constexpr std::uint8_t kNotCounted = 60;
+constexpr std::uint32_t kExponent = 0x7F80;  // in the upper half of a float
 
 std::uint32_t upper_half(float value) {
   return std::bit_cast<std::uint32_t>(value) >> 16;
@@ -20,8 +21,9 @@ std::uint32_t upper_half(float value) {
 
 ViewComposer::ViewComposer() : display_(1u << 16) {
   for (std::uint32_t i = 0; i < display_.size(); ++i) {
-    // The middle of the floats that share the entry; tone_mapped takes what is negative or NaN for 0.
-    display_[i] = srgb_byte(tone_mapped(std::bit_cast<float>((i << 16) | (i == 0 ? 0u : 0x8000u))));
+    // The middle of the floats that share the entry, but for zero and infinity, which have their own.
+    const bool has_middle = i != 0 && (i & kExponent) != kExponent;
+    display_[i] = srgb_byte(tone_mapped(std::bit_cast<float>((i << 16) | (has_middle ? 0x8000u : 0u))));
   }
   for (std::size_t i = 0; i < heat_.size(); ++i) heat_[i] = heat_color(static_cast<double>(i) / 255);
 }

@@ -68,7 +68,7 @@ TEST_F(PreviewModelTest, ShowsASceneThroughTwoStructures) {
 
 TEST_F(PreviewModelTest, PlaysAllFramesThroughOneStructure) {
   PreviewModel model(options(), 4);
-  model.open("cloth");
+  model.open("static-city");
   ASSERT_TRUE(wait(model, 1));
   model.animation.is_playing = true;
   model.animation.frames = 8;
@@ -93,10 +93,10 @@ TEST_F(PreviewModelTest, WhatCannotBeOpenedLeavesTheLastScene) {
     EXPECT_EQ(model.state().structures[0]->scene->name, "wheels");
     EXPECT_TRUE(wait(model, 2));
   }
-  model.open("cloth");
+  model.open("static-city");
   ASSERT_TRUE(wait(model, 2));
   EXPECT_EQ(model.message(), "");
-  EXPECT_EQ(model.state().structures[0]->scene->name, "cloth");
+  EXPECT_EQ(model.state().structures[0]->scene->name, "static-city");
 }
 
 TEST_F(PreviewModelTest, StructuresAreChangedOneByOne) {
@@ -120,10 +120,10 @@ TEST_F(PreviewModelTest, StructuresAreChangedOneByOne) {
 
 TEST_F(PreviewModelTest, CancelsABuildOfEachKind) {
   for (const char* name : {"stbvh-direct", "stbvh", "embree", "lbvh"}) {
-    Options o = options(0.2);
+    Options o = options(1);
     o.structures = {name};
     PreviewModel model(o, 2);
-    model.open("cloth");
+    model.open("wheels");
     const auto is_building = [&] {
       const LoadProgress p = model.load_progress();
       return !p.is_busy || (p.stage.find("building") != std::string::npos && p.fraction > 0);
@@ -139,7 +139,7 @@ TEST_F(PreviewModelTest, CancelsABuildOfEachKind) {
 TEST_F(PreviewModelTest, EndsWhileBuildingAndWhileOpeningAgainAndAgain) {
   for (int i = 0; i < 5; ++i) {
     PreviewModel model(options(0.05), 2);
-    for (const char* name : {"cloth", "wheels", "cloth"}) {
+    for (const char* name : {"static-city", "wheels", "static-city"}) {
       model.open(name);
       model.update(0.01, 33, 17);
       std::this_thread::sleep_for(std::chrono::milliseconds(3 * i));
@@ -191,7 +191,7 @@ TEST_F(PreviewModelTest, SaysWhereItCannotSave) {
 TEST_F(PreviewModelTest, FocusesAndPicksWhatIsUnderThePointer) {
   PreviewModel model(options(), 1);
   EXPECT_FALSE(model.focus(0.5, 0.5));
-  model.open("cloth");
+  model.open("static-city");
   ASSERT_TRUE(wait(model, 1));
   const Camera before = model.camera.camera();
   ASSERT_TRUE(model.focus(0.5, 0.6));
