@@ -62,12 +62,7 @@ void GrowingPicture::begin(const BuiltPair& structures, const RenderSettings& se
   passes_ = 0;
   for (std::size_t slot = 0; slot < slots_; ++slot) sums_[slot].resize(settings.width * settings.height);
   for (std::size_t slot = slots_; slot < kSlots; ++slot) sums_[slot] = {};
-  const auto fits = [&](const std::shared_ptr<ShownPicture>& picture) {
-    return picture && picture.use_count() == 1 && picture->width() == settings.width &&
-           picture->height() == settings.height;
-  };
-  std::swap(shown_, spare_);
-  if (!fits(shown_)) shown_ = std::make_shared<ShownPicture>(settings.width, settings.height);
+  shown_ = pool_.take(settings.width, settings.height);
   shown_->slots = slots_;
   shown_->settings = settings;
   for (std::size_t slot = 0; slot < kSlots; ++slot)
@@ -87,6 +82,7 @@ bool GrowingPicture::add_pass(const std::atomic<bool>& stop) {
   const std::lock_guard lock(mutex_);
   if (passes_ >= kCoarsePasses) figures_.samples = passes_ + 1 - kCoarsePasses;
   figures_.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  if (passes_ == 1) figures_.first_pass_seconds = figures_.seconds;
   return true;
 }
 

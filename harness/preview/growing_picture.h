@@ -39,7 +39,8 @@ struct PictureFigures {
   /// Of them those where this structure passed by a triangle that the oracle says is hit for certain, and the
   /// other structure found.
   std::array<std::uint64_t, kSlots> leaks{};
-  double seconds = 0;  ///< since it was begun
+  double seconds = 0;             ///< since it was begun
+  double first_pass_seconds = 0;  ///< from there to something in every place
 
   double mrays_per_thread_second(std::size_t slot) const {
     return thread_seconds[slot] > 0 ? static_cast<double>(rays[slot]) / 1e6 / thread_seconds[slot] : 0;
@@ -85,7 +86,8 @@ class GrowingPicture {
   std::array<std::optional<PathTracer>, kSlots> tracers_;
   std::array<std::vector<PixelSums>, kSlots> sums_;  ///< of pixels not traced yet: an older picture's
   std::atomic<std::size_t> passes_{0};
-  std::shared_ptr<ShownPicture> shown_, spare_;
+  ShownPicturePool pool_;
+  std::shared_ptr<ShownPicture> shown_;
   std::chrono::steady_clock::time_point start_;
   mutable std::mutex mutex_;
   PictureFigures figures_;

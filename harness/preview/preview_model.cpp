@@ -73,11 +73,12 @@ void PreviewModel::update(double elapsed, std::size_t width, std::size_t height)
   height_ = std::clamp<std::size_t>(height, 1, kMaxPictureSide);
   session_.set_settings(settings(), state_.scene_number);
   const std::uint64_t scene_now = state_.scene_number;
+  const LoadProgress loading = load_progress();  // before the state: what was built until then is in it
   state_ = session_.state();
   if (state_.scene_number != scene_now) state_.scene_number = scene_now;  // seen as new in the next call
-  const LoadProgress loading = load_progress();
   if (loading.ended != requests_ended_ && !loading.problem.empty()) say(loading.problem);
   requests_ended_ = loading.ended;
+  is_loaded_ = !loading.is_busy;
 }
 
 float PreviewModel::tree_time() const {
@@ -206,7 +207,7 @@ bool PreviewModel::is_saving() const {
 }
 
 bool PreviewModel::has_samples(std::size_t samples) const {
-  return !load_progress().is_busy && state_.is_up_to_date &&
+  return is_loaded_ && !load_progress().is_busy && state_.is_up_to_date &&
          state_.figures.samples >= std::min(samples, most_samples_);
 }
 

@@ -120,6 +120,7 @@ class PreviewModel {
   std::string message_;
   std::size_t saving_ = 0;  ///< files that are still to be written
   std::size_t requests_ended_ = 0;
+  bool is_loaded_ = false;  ///< all that was asked for is in state_
   PreviewSession session_;  ///< the last: its threads call back
 };
 

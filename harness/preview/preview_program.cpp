@@ -127,6 +127,8 @@ class Preview final : public ScriptStage {
 
   void print_statistics() const {
     fmt::print("first picture after {:.3f} s\n", first_picture_);
+    fmt::print("the last picture was there, coarse, after {:.1f} ms\n",
+               1e3 * model_.state().figures.first_pass_seconds);
     fmt::print("{} frames, {:.1f} a second; 95 % within {:.1f} ms, slowest {:.1f} ms\n", times_.count(),
                times_.mean() > 0 ? 1 / times_.mean() : 0, 1e3 * times_.quantile(0.95),
                1e3 * times_.quantile(1));

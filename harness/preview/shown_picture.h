@@ -5,8 +5,10 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "harness/path_tracer/render_settings.h"
@@ -66,6 +68,34 @@ class ShownPicture {
   std::size_t width_, height_;
   std::vector<ShownPixel> pixels_;
   std::vector<std::mutex> row_locks_;
+};
+
+/// Gives out pictures, and takes back those that nobody looks at any more: new memory for each would cost
+/// more than the coarsest pass.
+class ShownPicturePool {
+ public:
+  /// With anything in it.
+  std::shared_ptr<ShownPicture> take(std::size_t width, std::size_t height) {
+    std::unique_ptr<ShownPicture> picture;
+    {
+      const std::lock_guard lock(shelf_->mutex);
+      picture = std::move(shelf_->picture);
+    }
+    if (!picture || picture->width() != width || picture->height() != height)
+      picture = std::make_unique<ShownPicture>(width, height);
+    return {picture.release(), [shelf = shelf_](ShownPicture* done) {
+              std::unique_ptr<ShownPicture> kept(done);
+              const std::lock_guard lock(shelf->mutex);
+              std::swap(shelf->picture, kept);
+            }};
+  }
+
+ private:
+  struct Shelf {
+    std::mutex mutex;
+    std::unique_ptr<ShownPicture> picture;
+  };
+  std::shared_ptr<Shelf> shelf_ = std::make_shared<Shelf>();
 };
 
 }  // namespace stbvh::harness

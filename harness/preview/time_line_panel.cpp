@@ -39,12 +39,13 @@ class Plot {
   float lower_, upper_;
 };
 
-void draw_node(ImDrawList& list, const Plot& plot, const TimeLineNode& node, float thickness) {
+/// `fill`: opacity of the inside, 0 to 255; many nodes lie over each other.
+void draw_node(ImDrawList& list, const Plot& plot, const TimeLineNode& node, float thickness, int fill) {
   const Rgb rgb = tree_color(node.is_timed, node.time_range, node.kind != NodeKind::kStatic);
   const ImVec2 corners[] = {
       plot.at(node.time_range.begin, node.at_begin[0]), plot.at(node.time_range.end, node.at_end[0]),
       plot.at(node.time_range.end, node.at_end[1]), plot.at(node.time_range.begin, node.at_begin[1])};
-  list.AddConvexPolyFilled(corners, 4, IM_COL32(rgb[0], rgb[1], rgb[2], 24));
+  list.AddConvexPolyFilled(corners, 4, IM_COL32(rgb[0], rgb[1], rgb[2], fill));
   list.AddPolyline(corners, 4, IM_COL32(rgb[0], rgb[1], rgb[2], 190), ImDrawFlags_Closed, thickness);
 }
 
@@ -67,7 +68,8 @@ void draw_time_line(PreviewModel& model, const WindowArea& area, float scale) {
     Plot plot(corner, size, line.subtree);
     for (const TimeLineNode& node : line.nodes) plot.extend(node);
     ImDrawList& list = *ImGui::GetWindowDrawList();
-    for (const TimeLineNode& node : line.nodes) draw_node(list, plot, node, scale);
+    const int fill = 3 + 400 / static_cast<int>(line.nodes.size() + 10);
+    for (const TimeLineNode& node : line.nodes) draw_node(list, plot, node, scale, fill);
     const auto time = static_cast<float>(model.animation.shutter().open);
     const float now = model.animation.is_playing ? time : static_cast<float>(model.animation.time());
     list.AddLine(plot.at(now, plot.lower()), plot.at(now, plot.upper()), IM_COL32(255, 255, 255, 255), scale);

@@ -25,7 +25,7 @@ struct ViewOptions {
   double split = 0.5;  ///< share of the width that A has
   double gain = 10;    ///< of the difference
   HeatMap heat = HeatMap::kNone;
-  double heat_largest = 80;  ///< what the lightest colour stands for
+  double heat_largest = 32;  ///< what the lightest colour stands for
 
   bool operator==(const ViewOptions&) const = default;
 };

@@ -13,7 +13,7 @@ namespace stbvh::harness {
 /// How far the priorities of background threads are lowered (nice). Scenes are built before pictures, and
 /// both only with what the window leaves.
 inline constexpr int kBuilderNiceness = 5;
-inline constexpr int kRendererNiceness = 19;
+inline constexpr int kRendererNiceness = 10;
 
 /// Lowers the priority of the calling thread, and of the threads that it will start.
 void lower_priority(int niceness);

@@ -212,7 +212,7 @@ TEST_F(PreviewWindow, PlaysAndSwitchesWhileItRenders) {
   EXPECT_EQ(
       failure(
           "wait 1\nplay on\nframes 12\nsleep 0.5\nstructure a lbvh\nstructure b stbvh\nview b\nsleep 0.3\n"
-          "cancel\nplay off\ndolly 0.5\npan 0.1 0.1\nfocus 0.5 0.5\nlens 0.02\nfov 60\nstructure b none\n"
+          "cancel\nplay off\ndolly 0.5\nfocus 0.5 0.6\npan 0.1 0.1\nlens 0.02\nfov 60\nstructure b none\n"
           "wait 1\nscreenshot @end.png\nclose\n"),
       "");
   EXPECT_GT(colors(shot("end.png")).size(), 50u);
