@@ -26,6 +26,7 @@ inline constexpr double kScalingBuildBudget = 20;  // seconds
 /// What the command line holds, before it is checked.
 struct Arguments {
   Options options;
+  std::vector<const CLI::Option*> scene_options;  ///< of all commands
   std::vector<std::string> rays{"primary", "bounce", "uniform", "shadow"};
   double scale = 0;
   std::string shutter;

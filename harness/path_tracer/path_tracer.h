@@ -66,6 +66,13 @@ class PathTracer {
     bool is_outside;
   };
 
+  struct Lights {
+    AreaLights area;
+    DirectionalLights directional;
+    EnvironmentLight environment;
+  };
+
+  static Lights lights_of(const Scene& scene);
   bool find_hit(const Walk& walk, Hit& hit, PathSample& sample) const;
   FirstHit first_hit(const Hit& hit, const Surface& surface, const Ray& ray) const;
   Color escaped(const Walk& walk) const;
@@ -82,9 +89,7 @@ class PathTracer {
   LensCamera camera_;
   std::vector<Bsdf> materials_;           ///< each different one once
   std::vector<std::size_t> material_of_;  ///< of each mesh
-  AreaLights area_lights_;
-  DirectionalLights directional_lights_;
-  EnvironmentLight environment_;
+  Lights lights_;
 };
 
 }  // namespace stbvh::harness
