@@ -1,4 +1,6 @@
 /// The device's functions that the application reaches here first.
+#include <cstdio>
+
 #include "plugin/preload/environment.h"
 #include "plugin/preload/real_embree.h"
 #include "plugin/preload/statistics.h"
@@ -7,11 +9,24 @@
 using stbvh::preload::find_device;
 using stbvh::preload::real;
 
+namespace {
+
+/// Embree 4 has the same names, but rays and callbacks of another kind.
+bool is_embree3(RTCDevice device) {
+  const auto major = real().rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MAJOR);
+  if (major == 3) return true;
+  std::fprintf(stderr, "libstbvh_preload: this is for Embree 3; everything is left to this Embree %d\n",
+               static_cast<int>(major));
+  return false;
+}
+
+}  // namespace
+
 extern "C" {
 
 RTCDevice rtcNewDevice(const char* config) {
   const RTCDevice device = real().rtcNewDevice(config);
-  if (device == nullptr || !stbvh::preload::environment().enabled) return device;
+  if (device == nullptr || !stbvh::preload::environment().enabled || !is_embree3(device)) return device;
   stbvh::preload::track_device(device, config);
   stbvh::preload::report_statistics_at_exit();
   return device;

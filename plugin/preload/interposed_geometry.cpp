@@ -1,5 +1,4 @@
 /// A geometry's life and plain properties.
-#include "plugin/preload/environment.h"
 #include "plugin/preload/real_embree.h"
 #include "plugin/preload/recording.h"
 
@@ -13,7 +12,7 @@ extern "C" {
 
 RTCGeometry rtcNewGeometry(RTCDevice device, RTCGeometryType type) {
   const RTCGeometry geometry = real().rtcNewGeometry(device, type);
-  if (geometry != nullptr && stbvh::preload::environment().enabled) {
+  if (geometry != nullptr && stbvh::preload::find_device(device) != nullptr) {
     geometries().add(geometry, std::make_shared<TrackedGeometry>(geometry, type, device));
   }
   return geometry;

@@ -1,5 +1,4 @@
 /// A scene's life, its contents and its commits.
-#include "plugin/preload/environment.h"
 #include "plugin/preload/real_embree.h"
 #include "plugin/preload/tracked_scene.h"
 

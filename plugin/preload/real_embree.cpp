@@ -18,9 +18,6 @@ void* look_up(const char* name) {
 template <typename Function>
 void load(Function*& function, const char* name) {
   function = reinterpret_cast<Function*>(look_up(name));
-  if (function != nullptr) return;
-  std::fprintf(stderr, "libstbvh_preload: there is no %s of Embree 3 behind this library\n", name);
-  std::abort();
 }
 
 RealEmbree load_all() {
@@ -28,6 +25,10 @@ RealEmbree load_all() {
 #define STBVH_FUNCTION(name) load(functions.name, #name);
 #include "plugin/preload/real_functions.inl"
 #undef STBVH_FUNCTION
+  if (functions.rtcNewDevice == nullptr) {
+    std::fputs("libstbvh_preload: there is no Embree behind this library\n", stderr);
+    std::abort();
+  }
   return functions;
 }
 

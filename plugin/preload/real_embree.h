@@ -12,7 +12,8 @@ struct RealEmbree {
 #undef STBVH_FUNCTION
 };
 
-/// Looks them up at the first call; without an Embree 3 in the process it says so and aborts.
+/// Looks them up at the first call. Those that this Embree has not are null, as no program that runs with it
+/// calls them; without any Embree in the process it says so and aborts.
 const RealEmbree& real();
 
 }  // namespace stbvh::preload

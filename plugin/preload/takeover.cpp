@@ -90,7 +90,8 @@ TrackedScene::Next TrackedScene::give_all_to_embree() {
 }
 
 /// After a failure of ours: as after one of Embree's the scene hits nothing, until a commit succeeds.
-/// Embree's own build is cancelled for that, and its error is swallowed, as there is to be one only.
+/// Embree's own build is cancelled for that, and its error is swallowed, as there is to be one only. The user
+/// geometry stays attached: of several trees of a scene Embree may keep some that name it.
 void TrackedScene::cancel_embrees_build() {
   const Muted muted(device_->handle());
   real().rtcSetSceneProgressMonitorFunction(handle_, refuse, nullptr);
@@ -121,8 +122,9 @@ TrackedScene::Next TrackedScene::carry_out(const Plan& plan, CommitTurns::Turn& 
 
 /// Throws CommitError.
 TrackedScene::Next TrackedScene::prepare(CommitTurns::Turn& turn) {
-  const Plan plan = make_plan();
+  Plan plan;
   try {
+    plan = make_plan();
     const Next next = carry_out(plan, turn);
     say(plan);
     return next;
