@@ -63,13 +63,13 @@ struct RootBounds {
   ClosedTimeRange range;
 };
 
-std::vector<RootBounds> root_bounds(BinaryNode* root) {
+std::vector<RootBounds> root_bounds(const BinaryNode* root) {
   if (root == nullptr) return {};
-  if (root->is_leaf()) return {{root->bounds, root->range}};
+  if (root->is_leaf()) return {{root->bounds(), root->range}};
   std::array<BinaryNode*, kWidth> children;
-  const std::size_t count = wide_children(*root, children);
+  const std::size_t count = wide_children(as_inner(*root), children);
   std::vector<RootBounds> bounds;
-  for (std::size_t i = 0; i < count; ++i) bounds.push_back({children[i]->bounds, children[i]->range});
+  for (std::size_t i = 0; i < count; ++i) bounds.push_back({children[i]->bounds(), children[i]->range});
   return bounds;
 }
 

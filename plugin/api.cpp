@@ -1,10 +1,12 @@
 /// The C functions: argument checks, reference counts, and exceptions turned into error codes.
 #include <atomic>
+#include <cstddef>
 #include <exception>
 #include <new>
 #include <string>
 
 #include "plugin/geometry.h"
+#include "plugin/versioned_struct.h"
 
 struct StbvhGeometryTy {
   explicit StbvhGeometryTy(RTCDevice device) : geometry(device) {}
@@ -58,12 +60,16 @@ MeshDescription& mesh_at(stbvh::plugin::Geometry& geometry, unsigned index) {
   return geometry.meshes()[index];
 }
 
-template <typename Struct>
-void require_size(const Struct& value, const char* name) {
-  if (value.byteSize != sizeof(Struct)) {
-    throw ApiError(RTC_ERROR_INVALID_ARGUMENT,
-                   std::string(name) + "->byteSize is not that of this library's header");
-  }
+// The least that describes a mesh, and what was built; a header that ends sooner there is none. Members are
+// not to be put where an older header has padding (4 bytes behind geomID): it would be read.
+constexpr std::size_t kFirstMeshArgumentsSize = offsetof(StbvhMeshArguments, geomID);
+constexpr std::size_t kFirstStatisticsSize = offsetof(StbvhStatistics, invalidTriangles);
+
+StbvhMeshArguments read_arguments(const StbvhMeshArguments* arguments) {
+  require(arguments, "arguments");
+  StbvhMeshArguments defaults;
+  stbvhInitMeshArguments(&defaults);
+  return stbvh::plugin::read_versioned(arguments, defaults, kFirstMeshArgumentsSize, "arguments");
 }
 
 }  // namespace
@@ -90,25 +96,23 @@ void stbvhReleaseGeometry(StbvhGeometry geometry) {
 
 RTCError stbvhAddMesh(StbvhGeometry geometry, const StbvhMeshArguments* arguments, unsigned* meshIndex) {
   return guarded(geometry, [&](stbvh::plugin::Geometry& g) {
-    require(arguments, "arguments");
     const auto index = static_cast<unsigned>(g.meshes().size());
-    g.meshes().emplace_back(*arguments);
+    g.meshes().emplace_back(read_arguments(arguments));
     if (meshIndex != nullptr) *meshIndex = index;
   });
 }
 
 RTCError stbvhSetMesh(StbvhGeometry geometry, unsigned meshIndex, const StbvhMeshArguments* arguments) {
   return guarded(geometry, [&](stbvh::plugin::Geometry& g) {
-    require(arguments, "arguments");
-    mesh_at(g, meshIndex) = MeshDescription(*arguments);
+    mesh_at(g, meshIndex) = MeshDescription(read_arguments(arguments));
   });
 }
 
 RTCError stbvhGetMesh(StbvhGeometry geometry, unsigned meshIndex, StbvhMeshArguments* arguments) {
   return guarded(geometry, [&](stbvh::plugin::Geometry& g) {
     require(arguments, "arguments");
-    require_size(*arguments, "arguments");
-    *arguments = mesh_at(g, meshIndex).arguments();
+    stbvh::plugin::write_versioned(arguments, mesh_at(g, meshIndex).arguments(), kFirstMeshArgumentsSize,
+                                   "arguments");
   });
 }
 
@@ -153,14 +157,15 @@ RTCGeometry stbvhGetGeometry(StbvhGeometry geometry) {
 RTCError stbvhGetStatistics(StbvhGeometry geometry, StbvhStatistics* statistics) {
   return guarded(geometry, [&](stbvh::plugin::Geometry& g) {
     require(statistics, "statistics");
-    require_size(*statistics, "statistics");
     const stbvh::BuildStatistics* const built = g.statistics();
     const stbvh::BuildStatistics values = built == nullptr ? stbvh::BuildStatistics{} : *built;
-    statistics->triangles = values.triangles;
-    statistics->invalidTriangles = values.invalid_triangles;
-    statistics->primitiveSegments = values.primitive_segments;
-    statistics->structureBytes = values.structure_bytes;
-    statistics->peakBytes = values.peak_bytes;
+    const StbvhStatistics result{.byteSize = sizeof(StbvhStatistics),
+                                 .triangles = values.triangles,
+                                 .invalidTriangles = values.invalid_triangles,
+                                 .primitiveSegments = values.primitive_segments,
+                                 .structureBytes = values.structure_bytes,
+                                 .peakBytes = values.peak_bytes};
+    stbvh::plugin::write_versioned(statistics, result, kFirstStatisticsSize, "statistics");
   });
 }
 

@@ -32,7 +32,7 @@ inline const Ray& ray_of(const Lane& lane, Ray& copy) {
 inline void intersect_lane(const Lane& lane) {
   Ray copy;
   const Ray& ray = ray_of(lane, copy);
-  if (lane.published->has_intersect_filters || lane.context->filter != nullptr) {
+  if (lane.published->has_intersect_filters || context_filter_of(lane) != nullptr) {
     intersect_filtered(lane, ray);
     return;
   }
@@ -46,7 +46,7 @@ inline void intersect_lane(const Lane& lane) {
 inline void occluded_lane(const Lane& lane) {
   Ray copy;
   const Ray& ray = ray_of(lane, copy);
-  const bool filtered = lane.published->has_occluded_filters || lane.context->filter != nullptr;
+  const bool filtered = lane.published->has_occluded_filters || context_filter_of(lane) != nullptr;
   const bool occluded = filtered ? occluded_filtered(lane, ray) : lane.published->structure->occluded(ray);
   if (occluded) {
     RTCRayN_tfar(lane.rays, lane.size, lane.index) = -std::numeric_limits<float>::infinity();

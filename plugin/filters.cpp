@@ -24,12 +24,13 @@ class FilterCall {
   bool accepts(RTCFilterFunctionN mesh_filter, void* user_ptr) {
     RTCFilterFunctionNArguments arguments;
     arguments.valid = valid_;
-    arguments.geometryUserPtr = user_ptr;
+    const auto translate = lane_.published->filter_user_ptr;
+    arguments.geometryUserPtr = translate == nullptr ? user_ptr : translate(user_ptr);
     arguments.context = lane_.context;
     arguments.ray = lane_.rays;
     arguments.hit = hits();
     arguments.N = lane_.size;
-    for (const RTCFilterFunctionN filter : {mesh_filter, lane_.context->filter}) {
+    for (const RTCFilterFunctionN filter : {mesh_filter, context_filter_of(lane_)}) {
       if (filter == nullptr) continue;
       filter(&arguments);
       if (valid_[lane_.index] == 0) return false;

@@ -23,6 +23,11 @@ void intersect_filtered(const Lane& lane, const Ray& ray);
 /// Any hit with the meshes' occlusion filters and the context's; the caller then sets the lane's tfar.
 bool occluded_filtered(const Lane& lane, const Ray& ray);
 
+/// Null if there is none to run.
+inline RTCFilterFunctionN context_filter_of(const Lane& lane) {
+  return lane.published->runs_context_filters ? lane.context->filter : nullptr;
+}
+
 inline unsigned geom_id_of(const Lane& lane, const Hit& hit) {
   const unsigned own = lane.published->meshes[hit.mesh].geom_id;
   return own == RTC_INVALID_GEOMETRY_ID ? lane.geom_id : own;

@@ -46,11 +46,6 @@ void check_steps(const StbvhMeshArguments& arguments) {
 }  // namespace
 
 MeshDescription::MeshDescription(const StbvhMeshArguments& arguments) : arguments_(arguments) {
-  if (arguments.byteSize != sizeof(StbvhMeshArguments)) {
-    refuse("byteSize is " + std::to_string(arguments.byteSize) + ", not " +
-           std::to_string(sizeof(StbvhMeshArguments)) +
-           ": call stbvhInitMeshArguments, of the header that belongs to this library");
-  }
   check_indices(arguments);
   check_steps(arguments);
   for (unsigned step = 0; step < arguments.stepCount; ++step) {

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include "harness/cli/commands.h"
 #include "harness/cli/script.h"
 
@@ -6,9 +8,8 @@ namespace stbvh::harness {
 void run_charts(const Options& options) {
   std::vector<std::string> arguments{"--output=" + options.directory.string(),
                                      "--format=" + options.chart_format};
-  std::string names;
-  for (const std::string& name : options.structures) names += (names.empty() ? "" : ",") + name;
-  if (!names.empty()) arguments.push_back("--structures=" + names);
+  if (!options.structures.empty())
+    arguments.push_back(fmt::format("--structures={}", fmt::join(options.structures, ",")));
   arguments.emplace_back("--");
   arguments.insert(arguments.end(), options.record_files.begin(), options.record_files.end());
   run_script("charts.py", arguments);

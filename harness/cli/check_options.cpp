@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <span>
 
 #include "harness/cli/closest_name.h"
@@ -24,6 +25,7 @@ constexpr double kLargestScale = 4;
 constexpr std::size_t kMostRepeats = 10'000;
 constexpr std::size_t kMostRays = 100'000'000;
 constexpr std::size_t kMostTriangles = 100'000'000;
+constexpr std::array<std::string_view, 1> kPictureStructure{"stbvh"};
 constexpr std::array<std::string_view, 3> kOverNames{"steps", "triangles", "threads"};
 
 std::optional<double> parse_number(std::string_view text) {
@@ -90,10 +92,32 @@ void check_range(const char* option, std::size_t value, std::size_t most) {
     throw UsageError(fmt::format("{} must be 1 to {}, not {}.", option, most, value));
 }
 
+/// Those of `known` that are in `asked`, in their order; all where it is empty or says "all".
+std::vector<std::string> chosen_names(std::string_view what, const std::vector<std::string>& asked,
+                                      std::span<const std::string_view> known) {
+  const auto is_asked = [&](std::string_view name) {
+    return std::find(asked.begin(), asked.end(), name) != asked.end();
+  };
+  for (const std::string& name : asked) {
+    if (name != "all" && std::find(known.begin(), known.end(), name) == known.end())
+      throw UsageError(unknown_name(what, name, known));
+  }
+  std::vector<std::string> chosen;
+  for (std::string_view name : known) {
+    if (asked.empty() || is_asked("all") || is_asked(name)) chosen.emplace_back(name);
+  }
+  return chosen;
+}
+
 }  // namespace
 
 void check_scene_options(Arguments& a, const CLI::App& command) {
   Options& o = a.options;
+  for (const CLI::Option* option : a.scene_options) {
+    if (option->count() > 0)
+      o.scene_words.insert(o.scene_words.end(),
+                           {option->get_name(), fmt::format("{}", fmt::join(option->results(), ","))});
+  }
   o.scenes = named_scenes(o.scenes);
   check_scale(a, command);
   if (command.count("--shutter") > 0) {
@@ -107,21 +131,9 @@ void check_scene_options(Arguments& a, const CLI::App& command) {
   check_steps(a.steps, o.gltf);
 }
 
-void check_structures(Options& o) {
-  const std::vector<std::string_view> known = structure_names();
-  std::vector<std::string> chosen;
-  const auto is_asked = [&](std::string_view name) {
-    return std::find(o.structures.begin(), o.structures.end(), name) != o.structures.end();
-  };
-  for (const std::string& name : o.structures) {
-    if (name != "all" && std::find(known.begin(), known.end(), name) == known.end()) {
-      throw UsageError(unknown_name("structure", name, known));
-    }
-  }
-  for (std::string_view name : known) {
-    if (o.structures.empty() || is_asked("all") || is_asked(name)) chosen.emplace_back(name);
-  }
-  o.structures = std::move(chosen);
+void check_structures(Options& o, std::span<const std::string_view> otherwise) {
+  if (o.structures.empty()) o.structures.assign(otherwise.begin(), otherwise.end());
+  o.structures = chosen_names("structure", o.structures, structure_names());
 }
 
 void check_threads(Options& o) {
@@ -138,19 +150,7 @@ namespace {
 void check_families(Options& o) {
   std::vector<std::string_view> known;
   for (const HardFamily& family : hard_families()) known.push_back(family.name);
-  for (const std::string& name : o.families) {
-    if (name != "all" && find_hard_family(name) == nullptr) {
-      throw UsageError(unknown_name("family", name, known));
-    }
-  }
-  const auto is_asked = [&](std::string_view name) {
-    return std::find(o.families.begin(), o.families.end(), name) != o.families.end();
-  };
-  std::vector<std::string> chosen;
-  for (std::string_view name : known) {
-    if (o.families.empty() || is_asked("all") || is_asked(name)) chosen.emplace_back(name);
-  }
-  o.families = std::move(chosen);
+  o.families = chosen_names("family", o.families, known);
 }
 
 void check_rays(Arguments& a) {
@@ -166,38 +166,40 @@ void check_rays(Arguments& a) {
   }
 }
 
-void check_trace(Arguments& a) {
-  check_structures(a.options);
+/// What commands have that trace rays; `rays` of them where --count does not say.
+void check_trace(Arguments& a, const CLI::App& command, std::size_t rays,
+                 std::span<const std::string_view> structures = {}) {
+  Options& o = a.options;
+  check_structures(o, structures);
   check_rays(a);
-  check_threads(a.options);
-  check_range("--count", a.options.count, kMostRays);
-  check_range("--repeats", a.options.repeats, kMostRepeats);
-  if (!(a.options.build_budget_s >= 0) || !std::isfinite(a.options.build_budget_s)) {
-    throw UsageError(
-        fmt::format("--build-budget must be at least 0 seconds, not {}.", a.options.build_budget_s));
-  }
-  if (!a.json.empty()) a.options.json = a.json;
+  check_threads(o);
+  if (command.count("--count") == 0) o.count = rays;
+  check_range("--count", o.count, kMostRays);
+  check_range("--repeats", o.repeats, kMostRepeats);
+  if (!(o.build_budget_s >= 0) || !std::isfinite(o.build_budget_s))
+    throw UsageError(fmt::format("--build-budget must be at least 0 seconds, not {}.", o.build_budget_s));
+  if (!a.json.empty()) o.json = a.json;
+}
+
+void check_bench(Arguments& a, const CLI::App& command) {
+  check_trace(a, command, kDefaultBenchRays);
+}
+
+void check_error(Arguments& a, const CLI::App& command) {
+  check_trace(a, command, kDefaultErrorRays);
 }
 
 void check_hard(Arguments& a, const CLI::App& command) {
-  if (a.options.structures.empty()) {
-    a.options.structures.assign(kHardStructures.begin(), kHardStructures.end());
-  }
-  if (command.count("--count") == 0) a.options.count = kDefaultHardRays;
   check_families(a.options);
-  check_trace(a);
+  check_trace(a, command, kDefaultHardRays, kHardStructures);
 }
 
 void check_pareto(Arguments& a, const CLI::App& command) {
-  if (a.options.structures.empty()) {
-    a.options.structures.assign(kParetoStructures.begin(), kParetoStructures.end());
-  }
-  if (command.count("--count") == 0) a.options.count = kDefaultParetoRays;
   if (command.count("--plot") > 0) {
     if (a.json.empty()) throw UsageError("--plot needs --json: the plot is made from the records.");
     a.options.plot = a.plot;
   }
-  check_trace(a);
+  check_trace(a, command, kDefaultParetoRays, kParetoStructures);
 }
 
 /// What is measured where --values does not say.
@@ -245,29 +247,73 @@ void check_scaling(Arguments& a, const CLI::App& command) {
     throw UsageError("--scale: with --over triangles, --values says how many.");
   if (o.over == Over::kThreads && command.count("--threads") > 0)
     throw UsageError("--threads: with --over threads, --values says how many.");
-  if (command.count("--count") == 0) o.count = kDefaultScalingRays;
   if (command.count("--build-budget") == 0) o.build_budget_s = kScalingBuildBudget;
   a.rays = {"bounce", "uniform"};
   if (o.over == Over::kTriangles) a.rays.clear();
   check_scale(a, command);
-  check_trace(a);
+  check_trace(a, command, kDefaultScalingRays);
+}
+
+void check_charts(Arguments& a, const CLI::App&) {
+  a.options.directory = a.directory;
+}
+
+void check_compare(Arguments& a, const CLI::App&) {
+  if (!a.difference_png.empty()) a.options.difference_png = a.difference_png;
+  if (!a.json.empty()) a.options.json = a.json;
 }
 
 void check_render(Arguments& a, const CLI::App& command) {
-  if (a.options.structures.empty()) a.options.structures = {"stbvh"};
-  check_structures(a.options);
+  check_structures(a.options, kPictureStructure);
   check_threads(a.options);
   check_render_options(a, command);
 }
 
-void check_convert(Arguments& a) {
+void check_report(Arguments& a, const CLI::App&) {
+  check_report_options(a);
+  if (!a.options.structures.empty()) check_structures(a.options);
+  check_threads(a.options);
+}
+
+void check_truth(Arguments& a, const CLI::App& command) {
   Options& o = a.options;
-  o.command = Command::kConvert;
+  check_truth_options(a, command);
+  check_structures(o, kPictureStructure);
+  if (o.structures.size() != 1) throw UsageError("--structures: one structure.");
+  check_threads(o);
+  if (!a.json.empty()) o.json = a.json;
+  o.render.seed = o.seed;
+  o.render.threads = o.threads;
+}
+
+void check_convert(Arguments& a, const CLI::App&) {
+  Options& o = a.options;
   if (o.scenes.size() != 1) throw UsageError("convert takes one scene at a time.");
   o.converted = a.converted;
   if (o.converted.extension() != ".xml")
     throw UsageError(fmt::format("convert writes .xml files, not \"{}\".", a.converted));
 }
+
+struct CommandChecks {
+  std::string_view name;
+  Command command;
+  bool has_scenes;
+  void (*check)(Arguments&, const CLI::App&);
+};
+constexpr CommandChecks kCommands[] = {
+    {"list", Command::kList, false, [](Arguments&, const CLI::App&) {}},
+    {"bench", Command::kBench, true, check_bench},
+    {"error", Command::kError, true, check_error},
+    {"hard", Command::kHard, false, check_hard},
+    {"pareto", Command::kPareto, true, check_pareto},
+    {"scaling", Command::kScaling, false, check_scaling},
+    {"charts", Command::kCharts, false, check_charts},
+    {"render", Command::kRender, true, check_render},
+    {"compare", Command::kCompare, false, check_compare},
+    {"truth", Command::kTruth, true, check_truth},
+    {"report", Command::kReport, true, check_report},
+    {"convert", Command::kConvert, true, check_convert},
+};
 
 }  // namespace
 
@@ -302,66 +348,11 @@ std::string_view over_name(Over over) {
 }
 
 Options checked_options(Arguments a, const CLI::App& command) {
-  const std::string name = command.get_name();
-  if (name == "list") return a.options;
-  if (name == "hard") {
-    a.options.command = Command::kHard;
-    check_hard(a, command);
-    return a.options;
-  }
-  if (name == "charts") {
-    a.options.command = Command::kCharts;
-    a.options.directory = a.directory;
-    return a.options;
-  }
-  if (name == "compare") {
-    a.options.command = Command::kCompare;
-    if (!a.difference_png.empty()) a.options.difference_png = a.difference_png;
-    if (!a.json.empty()) a.options.json = a.json;
-    return a.options;
-  }
-  if (name == "scaling") {
-    a.options.command = Command::kScaling;
-    check_scaling(a, command);
-    return a.options;
-  }
-  check_scene_options(a, command);
-  if (name == "pareto") {
-    a.options.command = Command::kPareto;
-    check_pareto(a, command);
-    return a.options;
-  }
-  if (name == "report") {
-    a.options.command = Command::kReport;
-    check_report_options(a);
-    if (!a.options.structures.empty()) check_structures(a.options);
-    check_threads(a.options);
-    return a.options;
-  }
-  if (name == "truth") {
-    a.options.command = Command::kTruth;
-    check_truth_options(a, command);
-    check_structures(a.options);
-    if (a.options.structures.size() != 1) throw UsageError("--structures: one structure.");
-    check_threads(a.options);
-    if (!a.json.empty()) a.options.json = a.json;
-    a.options.render.seed = a.options.seed;
-    a.options.render.threads = a.options.threads;
-    return a.options;
-  }
-  if (name == "render") {
-    a.options.command = Command::kRender;
-    check_render(a, command);
-    return a.options;
-  }
-  if (name == "convert") {
-    check_convert(a);
-    return a.options;
-  }
-  a.options.command = name == "bench" ? Command::kBench : Command::kError;
-  if (command.count("--count") == 0)
-    a.options.count = name == "bench" ? kDefaultBenchRays : kDefaultErrorRays;
-  check_trace(a);
+  const auto& checks = *std::find_if(std::begin(kCommands), std::end(kCommands),
+                                     [&](const CommandChecks& c) { return c.name == command.get_name(); });
+  a.options.command = checks.command;
+  if (checks.has_scenes) check_scene_options(a, command);
+  checks.check(a, command);
   return a.options;
 }
 

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -26,6 +27,7 @@ inline constexpr double kScalingBuildBudget = 20;  // seconds
 /// What the command line holds, before it is checked.
 struct Arguments {
   Options options;
+  std::vector<const CLI::Option*> scene_options;  ///< of all commands
   std::vector<std::string> rays{"primary", "bounce", "uniform", "shadow"};
   double scale = 0;
   std::string shutter;
@@ -58,9 +60,9 @@ std::pair<double, double> parse_pair(std::string_view text, char separator, std:
 /// UsageError.
 void check_scene_options(Arguments& arguments, const CLI::App& command);
 
-/// Makes `structures` those that were asked for, in the order of structure_names(); all if none was. Throws
-/// UsageError.
-void check_structures(Options& options);
+/// Makes `structures` those that were asked for, `otherwise` where none was, or all where that is none; in
+/// the order of structure_names(). Throws UsageError.
+void check_structures(Options& options, std::span<const std::string_view> otherwise = {});
 
 /// Throws UsageError for more threads than there are cores.
 void check_threads(Options& options);

@@ -23,6 +23,7 @@ void run_render(const Options& options);
 /// Prints how far a picture is from a reference; writes the difference picture and the record, if asked for.
 void run_compare(const Options& options);
 /// Prints how far renderings of motion are from the mean of renderings at frozen times; writes both pictures.
+/// Throws Interrupted at SIGINT.
 void run_truth(const Options& options);
 /// Runs the other commands for what is not there yet, then writes the page. Throws WrongAnswers after that
 /// where a structure of ours was wrong, ScriptFailure where a command failed, which has said why.

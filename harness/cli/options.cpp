@@ -18,6 +18,7 @@ namespace stbvh::harness {
 namespace {
 
 void add_scene_options(CLI::App& app, Arguments& a) {
+  const std::size_t others = app.get_options().size();
   app.add_option(
          "--scenes", a.options.scenes,
          "Names of built-in scenes (see list), paper (its six), all, .glb, .gltf, .xml (Embree's) and .ecs "
@@ -25,6 +26,14 @@ void add_scene_options(CLI::App& app, Arguments& a) {
       ->delimiter(',')
       ->capture_default_str();
   add_making_options(app, a);
+  const std::vector<CLI::Option*> all = app.get_options();
+  a.scene_options.insert(a.scene_options.end(), all.begin() + static_cast<std::ptrdiff_t>(others), all.end());
+}
+
+CLI::App& add_scene_command(CLI::App& app, Arguments& a, const char* name, const char* description) {
+  CLI::App& command = *app.add_subcommand(name, description);
+  add_scene_options(command, a);
+  return command;
 }
 
 void add_convert(CLI::App& app, Arguments& a) {
@@ -63,8 +72,7 @@ void add_trace_options(CLI::App& app, Arguments& a, std::size_t default_count) {
 
 void add_bench(CLI::App& app, Arguments& a) {
   CLI::App& bench =
-      *app.add_subcommand("bench", "Build each structure, trace the same rays interleaved, compare");
-  add_scene_options(bench, a);
+      add_scene_command(app, a, "bench", "Build each structure, trace the same rays interleaved, compare");
   add_trace_options(bench, a, kDefaultBenchRays);
   bench
       .add_option("--threads", a.options.thread_counts,
@@ -82,16 +90,13 @@ void add_bench(CLI::App& app, Arguments& a) {
 
 void add_error(CLI::App& app, Arguments& a) {
   CLI::App& error =
-      *app.add_subcommand("error", "Hold what each structure answers against brute force in double");
-  add_scene_options(error, a);
+      add_scene_command(app, a, "error", "Hold what each structure answers against brute force in double");
   add_trace_options(error, a, kDefaultErrorRays);
   add_threads_option(error, a);
 }
 
 std::string names_of(std::span<const std::string_view> structures) {
-  std::string names;
-  for (std::string_view name : structures) names += (names.empty() ? "" : ",") + std::string(name);
-  return names;
+  return fmt::format("{}", fmt::join(structures, ","));
 }
 
 void add_hard(CLI::App& app, Arguments& a) {
@@ -109,9 +114,9 @@ void add_hard(CLI::App& app, Arguments& a) {
 }
 
 void add_pareto(CLI::App& app, Arguments& a) {
-  CLI::App& pareto = *app.add_subcommand(
-      "pareto", "Speed against error: scenes for speed, hard cases for error, a point for each structure");
-  add_scene_options(pareto, a);
+  CLI::App& pareto = add_scene_command(
+      app, a, "pareto",
+      "Speed against error: scenes for speed, hard cases for error, a point for each structure");
   add_common_options(pareto, a, names_of(kParetoStructures));
   add_threads_option(pareto, a);
   pareto.add_option("--count", a.options.count, "Rays of each family of hard cases")
@@ -167,26 +172,24 @@ void add_charts(CLI::App& app, Arguments& a) {
 }
 
 void add_render(CLI::App& app, Arguments& a) {
-  CLI::App& render = *app.add_subcommand(
-      "render", "Path-traced pictures of each scene through each structure, as OpenEXR files of many layers");
-  add_scene_options(render, a);
-  add_render_options(render, a);
+  add_render_options(
+      add_scene_command(
+          app, a, "render",
+          "Path-traced pictures of each scene through each structure, as OpenEXR files of many layers"),
+      a);
 }
 
-void add_report(CLI::App& app, Arguments& a) {
-  CLI::App& report = *app.add_subcommand(
-      "report",
-      "One page of it all, which needs nothing else: figures, charts, pictures, how to make them again");
-  add_scene_options(report, a);
-  add_report_options(report, a);
-}
-
-void add_truth(CLI::App& app, Arguments& a) {
-  CLI::App& truth = *app.add_subcommand(
-      "truth",
-      "Motion blur against the mean of renderings at frozen times; the scene is wheels if none is named");
-  add_scene_options(truth, a);
-  add_truth_options(truth, a);
+void add_truth_and_report(CLI::App& app, Arguments& a) {
+  add_truth_options(
+      add_scene_command(
+          app, a, "truth",
+          "Motion blur against the mean of renderings at frozen times; the scene is wheels if none is named"),
+      a);
+  add_report_options(
+      add_scene_command(
+          app, a, "report",
+          "One page of it all, which needs nothing else: figures, charts, pictures, how to make them again"),
+      a);
 }
 
 /// The words of a command line as a shell takes them.
@@ -224,8 +227,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   add_charts(app, a);
   add_render(app, a);
   add_compare(app, a);
-  add_truth(app, a);
-  add_report(app, a);
+  add_truth_and_report(app, a);
   add_convert(app, a);
   try {
     app.parse(argc, argv);

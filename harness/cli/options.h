@@ -51,7 +51,9 @@ struct CameraOptions {
 struct Options {
   Command command = Command::kList;
   std::vector<std::string> scenes{"paper"};  ///< names of built-in scenes, and files
-  std::vector<std::string> structures;       ///< in the order of structure_names(); of charts: as named
+  /// The options that say which scenes and how they are made, those that were given, for another command.
+  std::vector<std::string> scene_words;
+  std::vector<std::string> structures;  ///< in the order of structure_names(); of charts: as named
   std::vector<RayKind> rays;
   std::vector<std::string> families;  ///< of hard cases, in the order of hard_families()
   std::optional<double> scale;        ///< of the paper's scenes; empty: each scene's default

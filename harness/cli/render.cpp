@@ -8,6 +8,7 @@
 
 #include "harness/cli/commands.h"
 #include "harness/cli/interruption.h"
+#include "harness/cli/make_folder.h"
 #include "harness/cli/picture_metadata.h"
 #include "harness/cli/progress.h"
 #include "harness/cli/render_options.h"
@@ -37,11 +38,7 @@ class Outputs {
   Outputs(const Options& options, const std::vector<SceneSource>& sources) : output_(options.output) {
     std::error_code error;
     is_folder_ = sources.size() * options.structures.size() > 1 || fs::is_directory(output_, error);
-    if (is_folder_) fs::create_directories(output_, error);
-    if (is_folder_ && error) {
-      throw UsageError(
-          fmt::format("Cannot make the directory \"{}\": {}.", output_.string(), error.message()));
-    }
+    if (is_folder_) make_folder(output_);
     std::set<fs::path> all;
     for (const SceneSource& source : sources) {
       for (const std::string& structure : options.structures) {

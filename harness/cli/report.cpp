@@ -7,6 +7,7 @@
 #include <map>
 
 #include "harness/cli/commands.h"
+#include "harness/cli/make_folder.h"
 #include "harness/cli/pareto.h"
 #include "harness/cli/report_pictures.h"
 #include "harness/cli/scene_source.h"
@@ -28,6 +29,8 @@ using Words = std::vector<std::string>;
 constexpr std::string_view kBenchStructures =
     "embree,embree-robust,embree-compact,embree-4v,lbvh,lbvh-4v,stbvh,stbvh-compact,stbvh-direct";
 constexpr std::string_view kPictureStructures = "embree,embree-4v,lbvh,stbvh,stbvh-direct";
+/// Rendered large, with many samples: how long a picture takes.
+constexpr std::string_view kLargePicture = "barbarian";
 /// Beside those that speed against error is made of.
 constexpr std::string_view kOtherFamilies =
     "step-times-7,temporal-splits,time-ranges-touching,scale-1e-10,scale-1e10,origin-far,coplanar,zero-"
@@ -114,19 +117,9 @@ class ReportRun {
     if (!fs::exists(record_file(part))) throw ScriptFailure{1};
   }
 
-  /// The options of scenes as the command line has them.
+  /// The options of scenes as they were given, and the threads.
   Words with_scenes(Words words) const {
-    words.insert(words.end(),
-                 {"--scenes", joined(options_.scenes), "--seed", fmt::format("{}", options_.seed)});
-    if (options_.scale) words.insert(words.end(), {"--scale", fmt::format("{}", *options_.scale)});
-    const GltfOptions defaults;
-    if (options_.gltf.steps != defaults.steps)
-      words.insert(words.end(), {"--steps", fmt::format("{}", options_.gltf.steps)});
-    if (!options_.gltf.clip.empty()) words.insert(words.end(), {"--clip", options_.gltf.clip});
-    if (options_.gltf.shutter_seconds) {
-      words.insert(words.end(), {"--shutter", fmt::format("{},{}", options_.gltf.shutter_seconds->begin,
-                                                          options_.gltf.shutter_seconds->end)});
-    }
+    words.insert(words.end(), options_.scene_words.begin(), options_.scene_words.end());
     words.insert(words.end(), {"--threads", fmt::format("{}", options_.threads)});
     return words;
   }
@@ -162,12 +155,18 @@ class ReportRun {
   void make_renders(const std::vector<SceneSource>& sources) {
     const std::string names = structures(kPictureStructures);
     const fs::path renders = folder_ / "renders";
-    Words words = with_scenes({"render", "--structures", names});
-    words.insert(words.end(), {"--size", options_.quick ? "192x108" : "384x216", "--spp",
+    Words small = with_scenes({"render", "--structures", names});
+    small.insert(small.end(), {"--size", options_.quick ? "192x108" : "384x216", "--spp",
                                options_.quick ? "4" : "8", "-o", renders.string()});
     std::error_code ignored;
     for (const auto& file : files_of(sources, names)) fs::remove(file.path, ignored);
-    run_command(words);
+    run_command(small);
+    std::string commands = fmt::format("stbvh-ab {}", fmt::join(small, " "));
+    if (has_large_picture()) {
+      const Words large = large_picture(names, renders);
+      run_command(large);
+      commands += fmt::format("\nstbvh-ab {}", fmt::join(large, " "));
+    }
     Report report;
     std::map<std::string, std::vector<RenderFile>> by_scene;
     for (const RenderFile& file : files_of(sources, names)) {
@@ -179,8 +178,24 @@ class ReportRun {
         report.renders.push_back(std::move(r));
     }
     if (report.renders.empty()) throw ScriptFailure{1};
-    write(report, "renders", fmt::format("stbvh-ab {}", fmt::join(words, " ")));
+    write(report, "renders", commands);
     renders_ = std::move(report.renders);
+  }
+
+  bool has_large_picture() const {
+    return !options_.quick &&
+           std::find(options_.scenes.begin(), options_.scenes.end(), kLargePicture) != options_.scenes.end();
+  }
+
+  Words large_picture(const std::string& structures, const fs::path& folder) const {
+    Words words{"render",       "--scenes",     std::string(kLargePicture),
+                "--structures", structures,     "--size",
+                "960x540",      "--spp",        "64",
+                "-o",           folder.string()};
+    words.insert(words.end(), {"--seed", fmt::format("{}", options_.seed), "--threads",
+                               fmt::format("{}", options_.threads)});
+    if (options_.scale) words.insert(words.end(), {"--scale", fmt::format("{}", *options_.scale)});
+    return words;
   }
 
   std::vector<RenderFile> files_of(const std::vector<SceneSource>& sources, const std::string& names) const {

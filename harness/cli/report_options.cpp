@@ -56,7 +56,6 @@ void check_truth_options(Arguments& a, const CLI::App& command) {
   a.options.output = a.output;
   if (command.count("--scenes") == 0) a.options.scenes = {"wheels"};
   if (a.options.scenes.size() != 1) throw UsageError("--scenes: one scene.");
-  if (a.options.structures.empty()) a.options.structures = {"stbvh"};
   if (command.count("--size") > 0) check_size(a);
   check_samples(a);
   if (a.options.frozen_times < 1 || a.options.frozen_times > kMostFrozenTimes) {

@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <optional>
-#include <system_error>
 
-#include "harness/cli/usage_error.h"
 #include "harness/images/exr_file.h"
 #include "harness/images/heat_map.h"
 #include "harness/images/png_file.h"
@@ -64,13 +62,6 @@ RenderResult show(const RenderFile& file, const LayeredImage& image, const fs::p
 }
 
 }  // namespace
-
-void make_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error)
-    throw UsageError(fmt::format("Cannot make the directory \"{}\": {}.", folder.string(), error.message()));
-}
 
 std::string write_picture(const LayeredImage& image, const fs::path& folder, const std::string& name) {
   write_png(tone_mapped(image), folder / (name + ".png"));

@@ -11,9 +11,6 @@
 
 namespace stbvh::harness {
 
-/// Makes the folder and those above it. Throws UsageError.
-void make_folder(const std::filesystem::path& folder);
-
 /// Writes `image`, tone mapped, as `folder`/`name`.png; returns the file's name. Throws OutputFileError.
 std::string write_picture(const LayeredImage& image, const std::filesystem::path& folder,
                           const std::string& name);

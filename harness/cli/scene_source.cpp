@@ -12,16 +12,15 @@
 #include "harness/cli/usage_error.h"
 #include "harness/scenes/embree_xml/embree_xml.h"
 #include "harness/scenes/obj/obj_sequence.h"
-#include "harness/scenes/procedural/mesh_tools.h"
 #include "harness/scenes/procedural/procedural.h"
+#include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {
 namespace {
 
 Vec3 extent(const Scene& scene) {
   const Box3f box = scene.bounds();
-  return {static_cast<double>(box.upper.x) - box.lower.x, static_cast<double>(box.upper.y) - box.lower.y,
-          static_cast<double>(box.upper.z) - box.lower.z};
+  return to_double(box.upper) - to_double(box.lower);
 }
 
 /// In lower case, with its dot; empty where there is none.

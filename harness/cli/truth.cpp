@@ -3,8 +3,14 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "harness/cli/commands.h"
+#include "harness/cli/interruption.h"
+#include "harness/cli/make_folder.h"
 #include "harness/cli/report_pictures.h"
 #include "harness/cli/session.h"
 #include "harness/files/output_file.h"
@@ -18,55 +24,89 @@ namespace {
 /// Embree's own tree over triangles at rest: nothing of ours, and no motion.
 constexpr std::string_view kFrozenStructure = "embree-robust";
 
-LayeredImage reference_of(const Scene& scene, const Options& options, Progress& progress) {
-  return mean_of_frozen_times(
-      scene, kFrozenStructure, options.render, options.frozen_times, [&](std::size_t done) {
-        progress.stage(fmt::format("{}: frozen time {} of {}", scene.name, done, options.frozen_times));
-      });
-}
+class TruthRun {
+ public:
+  TruthRun(const Options& options, const Scene& scene, Progress& progress)
+      : options_(options), scene_(scene), progress_(progress) {}
+
+  std::vector<TruthResult> results() {
+    const LayeredImage reference = render_frozen_times();
+    write_exr(reference, file("frozen-times.exr"));
+    const std::string frozen_png = write_picture(reference, options_.output, "frozen-times");
+    const std::string& name = options_.structures.front();
+    const auto structure = build_structure(name, scene_, options_.threads);
+    std::vector<TruthResult> results;
+    for (std::size_t samples = 1;; samples = std::min(4 * samples, options_.render.samples_per_pixel)) {
+      const LayeredImage image = render_motion(*structure, samples);
+      TruthResult& result =
+          results.emplace_back(TruthResult{.scene = scene_.name,
+                                           .structure = name,
+                                           .reference_structure = std::string(kFrozenStructure),
+                                           .frozen_times = options_.frozen_times,
+                                           .samples_per_pixel = samples,
+                                           .found = compare(image, reference),
+                                           .picture = "",
+                                           .reference_picture = frozen_png,
+                                           .difference_picture = ""});
+      fmt::print("{:6} samples per pixel: RMSE {:.6f}, FLIP {:.6f}\n", samples, result.found.rmse,
+                 result.found.flip_mean);
+      std::fflush(stdout);
+      if (samples < options_.render.samples_per_pixel) continue;
+      write_exr(image, file("motion.exr"));
+      result.picture = write_picture(image, options_.output, "motion");
+      result.difference_picture = write_difference(result.found, options_.output, "motion-difference");
+      return results;
+    }
+  }
+
+ private:
+  std::filesystem::path file(const char* name) const { return options_.output / name; }
+
+  LayeredImage render_frozen_times() {
+    std::size_t done = 0;
+    std::optional<LayeredImage> mean = mean_of_frozen_times(
+        scene_, kFrozenStructure, options_.render, options_.frozen_times,
+        [&](std::size_t count) {
+          done = count;
+          progress_.stage(fmt::format("{}: frozen time {} of {}", scene_.name, done, options_.frozen_times));
+        },
+        &interruption_.flag());
+    progress_.clear();
+    if (!mean) {
+      throw Interrupted(fmt::format("Interrupted after {} of {} frozen times: nothing is written.", done,
+                                    options_.frozen_times));
+    }
+    return std::move(*mean);
+  }
+
+  LayeredImage render_motion(const StructureUnderTest& structure, std::size_t samples) {
+    RenderSettings settings = options_.render;
+    settings.samples_per_pixel = samples;
+    progress_.stage(fmt::format("{}: {} samples per pixel", scene_.name, samples));
+    Rendering rendering = render(scene_, structure, settings, {}, &interruption_.flag());
+    progress_.clear();
+    if (!rendering.is_complete) {
+      throw Interrupted(fmt::format(
+          "Interrupted at {} samples per pixel: only the pictures of frozen times are written.", samples));
+    }
+    return std::move(rendering.image);
+  }
+
+  const Options& options_;
+  const Scene& scene_;
+  Progress& progress_;
+  const Interruption interruption_;
+};
 
 }  // namespace
 
 void run_truth(const Options& options) {
   make_folder(options.output);
-  const auto file = [&](const char* name) { return options.output / name; };
-  for (const char* name : {"frozen-times.exr", "motion.exr"}) check_writable(file(name));
+  for (const char* name : {"frozen-times.exr", "motion.exr"}) check_writable(options.output / name);
   Progress progress;
   Report report;
-  for_each_scene(options, progress, [&](const Scene& scene) {
-    const std::string& name = options.structures.front();
-    const LayeredImage reference = reference_of(scene, options, progress);
-    write_exr(reference, file("frozen-times.exr"));
-    const auto structure = build_structure(name, scene, options.threads);
-    const std::string frozen_png = write_picture(reference, options.output, "frozen-times");
-    for (std::size_t samples = 1;; samples = std::min(4 * samples, options.render.samples_per_pixel)) {
-      RenderSettings settings = options.render;
-      settings.samples_per_pixel = samples;
-      progress.stage(fmt::format("{}: {} samples per pixel", scene.name, samples));
-      const LayeredImage image = render(scene, *structure, settings).image;
-      TruthResult result{.scene = scene.name,
-                         .structure = name,
-                         .reference_structure = std::string(kFrozenStructure),
-                         .frozen_times = options.frozen_times,
-                         .samples_per_pixel = samples,
-                         .found = compare(image, reference),
-                         .picture = "",
-                         .reference_picture = frozen_png,
-                         .difference_picture = ""};
-      progress.clear();
-      fmt::print("{:6} samples per pixel: RMSE {:.6f}, FLIP {:.6f}\n", samples, result.found.rmse,
-                 result.found.flip_mean);
-      std::fflush(stdout);
-      const bool is_last = samples == options.render.samples_per_pixel;
-      if (is_last) {
-        write_exr(image, file("motion.exr"));
-        result.picture = write_picture(image, options.output, "motion");
-        result.difference_picture = write_difference(result.found, options.output, "motion-difference");
-      }
-      report.truths.push_back(result);
-      if (is_last) break;
-    }
-  });
+  for_each_scene(options, progress,
+                 [&](const Scene& scene) { report.truths = TruthRun(options, scene, progress).results(); });
   write_records(options, report);
 }
 

@@ -17,6 +17,10 @@ void register_whole_queries();
 /// for memory. Builds scenes for seconds.
 void register_waiting();
 
+/// Whole queries on moving scenes, and on the same scenes at rest, built for the moment of the rays: what the
+/// motion costs, and with it the most that a better tree could bring. Builds scenes for seconds.
+void register_frozen();
+
 /// What Embree itself costs: queries of an empty scene, and of a user geometry whose callbacks only count.
 void register_embree_calls();
 

@@ -6,7 +6,8 @@
 #include <limits>
 #include <type_traits>
 
-#include "harness/scenes/procedural/mesh_tools.h"
+#include "harness/scenes/pcg32.h"
+#include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {
 namespace {

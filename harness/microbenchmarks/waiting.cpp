@@ -33,7 +33,7 @@ class FullScene {
     }
   }
 
-  static const FullScene& get(std::string_view name) {
+  static FullScene& get(std::string_view name) {
     static std::string_view current;
     static std::unique_ptr<FullScene> scene;
     if (current != name) {
@@ -44,14 +44,18 @@ class FullScene {
     return *scene;
   }
 
-  RaySet rays(RayKind kind) const {
-    return make_rays(kind, scene_, *structures_.at(kStructures[0]), kRays, 1);
+  /// Made when they are first asked for.
+  const RaySet& rays(RayKind kind) {
+    const auto [entry, is_new] = rays_.try_emplace(kind);
+    if (is_new) entry->second = make_rays(kind, scene_, *structures_.at(kStructures[0]), kRays, 1);
+    return entry->second;
   }
   const StructureUnderTest& structure(std::string_view name) const { return *structures_.at(name); }
 
  private:
   Scene scene_;
   std::map<std::string_view, std::unique_ptr<StructureUnderTest>> structures_;
+  std::map<RayKind, RaySet> rays_;
 };
 
 double seconds_of(const StructureUnderTest& structure, std::span<const Ray> rays, bool any_hit,
@@ -65,9 +69,9 @@ double seconds_of(const StructureUnderTest& structure, std::span<const Ray> rays
 /// nearest caches, and its branches have just been taken. What is left is computing.
 void measure_waiting(benchmark::State& state, std::string_view scene_name, RayKind kind,
                      std::string_view structure_name) {
-  const FullScene& scene = FullScene::get(scene_name);
+  FullScene& scene = FullScene::get(scene_name);
   const StructureUnderTest& structure = scene.structure(structure_name);
-  const RaySet set = scene.rays(kind);
+  const RaySet& set = scene.rays(kind);
   std::vector<Ray> twice;
   for (const Ray& ray : set.rays) twice.insert(twice.end(), 2, ray);
   std::vector<HitRecord> hits(twice.size());

@@ -27,7 +27,7 @@
 #include <array>
 #include <optional>
 
-#include "harness/scenes/procedural/mesh_tools.h"
+#include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {
 

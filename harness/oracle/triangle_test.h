@@ -30,7 +30,7 @@
 #include "harness/oracle/triangle_filter.h"
 #include "harness/rays/moving_triangle.h"
 #include "harness/rays/ray_set.h"
-#include "harness/scenes/procedural/mesh_tools.h"
+#include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {
 

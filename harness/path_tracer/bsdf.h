@@ -6,6 +6,7 @@
 
 #include "harness/path_tracer/color.h"
 #include "harness/path_tracer/sobol_sampler.h"
+#include "harness/scenes/scene.h"
 
 namespace stbvh::harness {
 

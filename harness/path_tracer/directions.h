@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "harness/path_tracer/sobol_sampler.h"
-#include "harness/scenes/procedural/mesh_tools.h"
+#include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {
 

@@ -3,6 +3,7 @@
 
 #include "harness/path_tracer/directions.h"
 #include "harness/path_tracer/lights.h"
+#include "harness/scenes/default_sun.h"
 
 namespace stbvh::harness {
 namespace {
@@ -101,8 +102,11 @@ Color EnvironmentLight::pixel(std::size_t x, std::size_t y) const {
 Color EnvironmentLight::radiance(Vec3 direction) const {
   if (!environment_) return {};
   if (environment_->width == 0) return to_double(environment_->radiance);
+  return radiance_at(latitude_longitude(direction));
+}
+
+Color EnvironmentLight::radiance_at(SamplePoint at) const {
   const std::size_t width = environment_->width, height = environment_->height;
-  const SamplePoint at = latitude_longitude(direction);
   const double x = at.x * static_cast<double>(width) + static_cast<double>(width) - 0.5;
   const double y = std::clamp(at.y * static_cast<double>(height) - 0.5, 0.0, static_cast<double>(height - 1));
   const auto x0 = static_cast<std::size_t>(x), y0 = static_cast<std::size_t>(y);
@@ -113,8 +117,10 @@ Color EnvironmentLight::radiance(Vec3 direction) const {
 }
 
 double EnvironmentLight::density(Vec3 direction) const {
-  if (!(rows_.total() > 0)) return 0;
-  const SamplePoint at = latitude_longitude(direction);
+  return rows_.total() > 0 ? density_at(latitude_longitude(direction)) : 0;
+}
+
+double EnvironmentLight::density_at(SamplePoint at) const {
   const std::size_t y = cell(at.y, environment_->height), x = cell(at.x, environment_->width);
   const double sine = std::sin(kPi * at.y);
   if (!(sine > 0)) return 0;
@@ -126,23 +132,21 @@ std::optional<LightSample> EnvironmentLight::sample(SamplePoint point) const {
   if (!(rows_.total() > 0)) return std::nullopt;
   const Distribution::Pick row = rows_.pick(point.y);
   const Distribution::Pick column = columns_[row.index].pick(point.x);
-  const Vec3 direction = latitude_longitude_direction(
+  const SamplePoint at{
       (static_cast<double>(column.index) + column.rest) / static_cast<double>(environment_->width),
-      (static_cast<double>(row.index) + row.rest) / static_cast<double>(environment_->height));
-  const double d = density(direction);
+      (static_cast<double>(row.index) + row.rest) / static_cast<double>(environment_->height)};
+  const double d = density_at(at);
   if (!(d > 0)) return std::nullopt;
-  return LightSample{direction, radiance(direction), d, false, std::nullopt};
+  return LightSample{latitude_longitude_direction(at.x, at.y), radiance_at(at), d, false, std::nullopt};
 }
 
 DefaultLights sun_and_sky(const Camera& camera) {
   constexpr Vec3f kSunIrradiance{4.6f, 4.3f, 3.8f};
   constexpr float kSunHalfAngle = 1.7f;  // wider than the true sun: shadows with soft edges
   constexpr Color kZenith{0.30, 0.47, 0.80}, kHorizon{0.70, 0.77, 0.86}, kBelow{0.38, 0.36, 0.33};
-  constexpr std::size_t kWidth = 256, kHeight = 256;
+  constexpr std::size_t kWidth = 64, kHeight = 64;  // smooth, and small enough for the caches
   const Vec3 up = normalize(to_double(camera.up));
-  const Vec3 right = normalize(cross(to_double(camera.target) - to_double(camera.position), up));
-  const Vec3 to_sun = up - 0.62 * right + 0.45 * cross(right, up);
-  DefaultLights lights{.sun = {to_float(-to_sun), kSunIrradiance, kSunHalfAngle},
+  DefaultLights lights{.sun = {to_float(-to_default_sun(camera)), kSunIrradiance, kSunHalfAngle},
                        .sky = {.radiance = {1, 1, 1}, .width = kWidth, .height = kHeight, .pixels = {}}};
   for (std::size_t y = 0; y < kHeight; ++y) {
     for (std::size_t x = 0; x < kWidth; ++x) {

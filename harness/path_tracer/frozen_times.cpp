@@ -1,13 +1,12 @@
 #include "harness/path_tracer/frozen_times.h"
 
 #include <array>
-#include <cstdint>
 #include <random>
 #include <utility>
 #include <vector>
 
 #include "harness/path_tracer/render.h"
-#include "harness/rays/moving_triangle.h"
+#include "harness/rays/frozen_scene.h"
 #include "harness/structures/structure_under_test.h"
 
 namespace stbvh::harness {
@@ -17,32 +16,10 @@ constexpr std::array<const char*, 3> kColors{"R", "G", "B"};
 
 }  // namespace
 
-Scene frozen(const Scene& scene, float time) {
-  Scene still;
-  still.name = scene.name;
-  still.camera = scene.camera;
-  still.directional_lights = scene.directional_lights;
-  still.environment = scene.environment;
-  for (const Mesh& mesh : scene.meshes) {
-    if (!is_visible_at(mesh, time)) continue;
-    const MotionSample sample = motion_sample(mesh, time);
-    Mesh& copy = still.meshes.emplace_back();
-    copy.name = mesh.name;
-    copy.indices = mesh.indices;
-    copy.mask = mesh.mask;
-    copy.material = mesh.material;
-    VertexBuffer& positions = copy.steps.emplace_back(mesh.steps.front().size());
-    for (std::uint32_t i = 0; i < positions.size(); ++i) {
-      const Vec3 p = position_at(mesh, i, sample);
-      positions[i] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-    }
-  }
-  return still;
-}
-
-LayeredImage mean_of_frozen_times(const Scene& scene, std::string_view structure,
-                                  const RenderSettings& settings, std::size_t count,
-                                  const FrozenProgress& progress) {
+std::optional<LayeredImage> mean_of_frozen_times(const Scene& scene, std::string_view structure,
+                                                 const RenderSettings& settings, std::size_t count,
+                                                 const FrozenProgress& progress,
+                                                 const std::atomic<bool>* stop) {
   std::array<std::vector<double>, 3> sums;
   for (std::vector<double>& sum : sums) sum.resize(settings.width * settings.height);
   RenderSettings one = settings;
@@ -55,7 +32,8 @@ LayeredImage mean_of_frozen_times(const Scene& scene, std::string_view structure
     one.seed = random();
     const Scene still = frozen(scene, static_cast<float>(time));
     const auto built = build_structure(structure, still, settings.threads);
-    const Rendering rendering = render(still, *built, one);
+    const Rendering rendering = render(still, *built, one, {}, stop);
+    if (!rendering.is_complete) return std::nullopt;
     for (std::size_t c = 0; c < 3; ++c) {
       const std::vector<float>& values = *rendering.image.find(kColors[c]);
       for (std::size_t p = 0; p < values.size(); ++p) sums[c][p] += static_cast<double>(values[p]);

@@ -5,8 +5,8 @@
 #include <optional>
 
 #include "harness/path_tracer/sobol_sampler.h"
-#include "harness/scenes/procedural/mesh_tools.h"
 #include "harness/scenes/scene.h"
+#include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {
 

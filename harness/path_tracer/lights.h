@@ -88,6 +88,9 @@ class EnvironmentLight {
 
  private:
   Color pixel(std::size_t x, std::size_t y) const;
+  /// Of a point of the picture, which is there.
+  Color radiance_at(SamplePoint at) const;
+  double density_at(SamplePoint at) const;
 
   std::optional<Environment> environment_;
   Distribution rows_;

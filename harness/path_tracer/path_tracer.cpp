@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 namespace stbvh::harness {
 namespace {
@@ -84,9 +85,7 @@ PathTracer::PathTracer(const Scene& scene, const StructureUnderTest& structure,
       structure_(structure),
       settings_(settings),
       camera_(settings.camera.value_or(scene.camera), settings.lens, settings.width, settings.height),
-      area_lights_(scene),
-      directional_lights_(far_lights(scene, !area_lights_.empty()).directional),
-      environment_(far_lights(scene, !area_lights_.empty()).environment) {
+      lights_(lights_of(scene)) {
   check_shutter(settings.shutter);
   using Key = std::tuple<Material::Kind, float, float, float, float, float>;
   std::map<Key, std::size_t> known;
@@ -118,6 +117,12 @@ CameraRay PathTracer::lens_ray(const SobolSampler& sampler, std::size_t x, std::
 Ray PathTracer::camera_ray(std::size_t x, std::size_t y, std::size_t sample) const {
   const SobolSampler sampler = sampler_of(x, y, sample);
   return to_ray(lens_ray(sampler, x, y), settings_.shutter.time_at(sampler.number(kTime)));
+}
+
+PathTracer::Lights PathTracer::lights_of(const Scene& scene) {
+  AreaLights area(scene);
+  FarLights far = far_lights(scene, !area.empty());
+  return {std::move(area), DirectionalLights(far.directional), EnvironmentLight(std::move(far.environment))};
 }
 
 PathSample PathTracer::trace(std::size_t x, std::size_t y, std::size_t index) const {
@@ -178,18 +183,19 @@ FirstHit PathTracer::first_hit(const Hit& hit, const Surface& surface, const Ray
 /// Light that a ray meets where nothing is in its way.
 Color PathTracer::escaped(const Walk& walk) const {
   const Vec3 direction = normalize(to_double(walk.ray.direction));
-  Color sum = scatter_weight(walk, environment_.density(direction)) * environment_.radiance(direction);
-  for (const DirectionalLights::Disc& disc : directional_lights_.discs()) {
+  Color sum =
+      scatter_weight(walk, lights_.environment.density(direction)) * lights_.environment.radiance(direction);
+  for (const DirectionalLights::Disc& disc : lights_.directional.discs()) {
     if (disc.holds(direction)) sum = sum + scatter_weight(walk, disc.density) * disc.radiance;
   }
   return sum;
 }
 
 Color PathTracer::emitted(const Walk& walk, const Hit& hit, const Surface& surface) const {
-  const Color emission = area_lights_.emission(hit.mesh);
+  const Color emission = lights_.area.emission(hit.mesh);
   if (is_black(emission)) return {};
   const double density =
-      walk.is_specular ? 0 : area_lights_.density(walk.from, surface, hit.mesh, hit.prim_id, walk.ray.time);
+      walk.is_specular ? 0 : lights_.area.density(walk.from, surface, hit.mesh, hit.prim_id, walk.ray.time);
   return scatter_weight(walk, density) * emission;
 }
 
@@ -199,11 +205,11 @@ Color PathTracer::direct(const Walk& walk, const Vertex& vertex, PathSample& sam
   const auto pair = [&](BounceDimension d) { return walk.sampler.pair(dimension(walk.bounce, d)); };
   const Vec3 position = vertex.surface.position;
   Color sum;
-  if (const auto light = area_lights_.sample(position, walk.ray.time, number(kAreaChoice), pair(kAreaPoint)))
+  if (const auto light = lights_.area.sample(position, walk.ray.time, number(kAreaChoice), pair(kAreaPoint)))
     sum = sum + lit(walk, vertex, *light, sample);
-  if (const auto light = directional_lights_.sample(number(kDirectionalChoice), pair(kDirectionalPoint)))
+  if (const auto light = lights_.directional.sample(number(kDirectionalChoice), pair(kDirectionalPoint)))
     sum = sum + lit(walk, vertex, *light, sample);
-  if (const auto light = environment_.sample(pair(kEnvironmentPoint)))
+  if (const auto light = lights_.environment.sample(pair(kEnvironmentPoint)))
     sum = sum + lit(walk, vertex, *light, sample);
   return sum;
 }

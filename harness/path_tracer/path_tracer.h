@@ -68,6 +68,13 @@ class PathTracer {
     bool is_outside;
   };
 
+  struct Lights {
+    AreaLights area;
+    DirectionalLights directional;
+    EnvironmentLight environment;
+  };
+
+  static Lights lights_of(const Scene& scene);
   SobolSampler sampler_of(std::size_t x, std::size_t y, std::size_t sample) const;
   CameraRay lens_ray(const SobolSampler& sampler, std::size_t x, std::size_t y) const;
   bool find_hit(const Walk& walk, Hit& hit, PathSample& sample) const;
@@ -86,9 +93,7 @@ class PathTracer {
   LensCamera camera_;
   std::vector<Bsdf> materials_;           ///< each different one once
   std::vector<std::size_t> material_of_;  ///< of each mesh
-  AreaLights area_lights_;
-  DirectionalLights directional_lights_;
-  EnvironmentLight environment_;
+  Lights lights_;
 };
 
 }  // namespace stbvh::harness

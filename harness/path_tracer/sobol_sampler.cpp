@@ -21,18 +21,22 @@ std::uint32_t flipped_by_lower_bits(std::uint32_t x, std::uint32_t seed) {
   return x;
 }
 
-/// Owen's scrambling: each digit is flipped by a hash of those above it.
-std::uint32_t scrambled(std::uint32_t x, std::uint32_t seed) {
-  return reversed(flipped_by_lower_bits(reversed(x), seed));
+/// Owen's scrambling of the number whose digits are the bits from the lowest on: each digit is flipped by
+/// a hash of those above it.
+double scrambled(std::uint32_t reversed_digits, std::uint32_t seed) {
+  return 0x1p-32 * reversed(flipped_by_lower_bits(reversed_digits, seed));
 }
 
-/// Second dimension of the Sobol sequence: Pascal's triangle modulo 2.
+/// Digits, from the lowest bit on, of the second dimension of the Sobol sequence: the index times Pascal's
+/// triangle modulo 2. Digit j is the sum of the bits i of the index for which C(i, j) is odd: those whose
+/// binary digits hold all of j's (Lucas), summed up digit by digit.
 std::uint32_t sobol_second(std::uint32_t index) {
-  std::uint32_t x = 0;
-  for (std::uint32_t column = 0x80000000u; index != 0; index >>= 1, column ^= column >> 1) {
-    if ((index & 1) != 0) x ^= column;
-  }
-  return x;
+  index ^= (index >> 1) & 0x55555555u;
+  index ^= (index >> 2) & 0x33333333u;
+  index ^= (index >> 4) & 0x0F0F0F0Fu;
+  index ^= (index >> 8) & 0x00FF00FFu;
+  index ^= (index >> 16) & 0x0000FFFFu;
+  return index;
 }
 
 /// Finalizer of SplitMix64 (Steele, Lea and Flood 2014).
@@ -48,9 +52,10 @@ std::uint64_t mixed(std::uint64_t z) {
 SamplePoint scrambled_sobol(std::uint32_t index, std::uint32_t seed) {
   const std::uint64_t hash = mixed(seed);
   const auto low = static_cast<std::uint32_t>(hash), high = static_cast<std::uint32_t>(hash >> 32);
-  const std::uint32_t shuffled = scrambled(index, low ^ 0x5851F42Du);
-  // The first dimension of Sobol's sequence is the index with its bits reversed.
-  return {0x1p-32 * scrambled(reversed(shuffled), low), 0x1p-32 * scrambled(sobol_second(shuffled), high)};
+  // The order of the points is scrambled in the same way. The first dimension of Sobol's sequence has the
+  // digits of the index itself.
+  const std::uint32_t shuffled = reversed(flipped_by_lower_bits(reversed(index), low ^ 0x5851F42Du));
+  return {scrambled(shuffled, low), scrambled(sobol_second(shuffled), high)};
 }
 
 SobolSampler::SobolSampler(std::uint64_t seed, std::uint64_t pixel, std::uint32_t sample)

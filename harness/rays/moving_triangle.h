@@ -7,14 +7,10 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "harness/scenes/procedural/mesh_tools.h"
 #include "harness/scenes/scene.h"
+#include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {
-
-inline Vec3 to_double(Vec3f p) {
-  return {p.x, p.y, p.z};
-}
 
 /// Segment of a mesh that a time falls into, and how far it is along it, 0 to 1.
 struct MotionSample {

@@ -9,7 +9,6 @@
 #include <limits>
 #include <utility>
 
-#include "harness/rays/moving_triangle.h"
 #include "harness/rays/ray_sources.h"
 
 namespace stbvh::harness {
@@ -34,13 +33,6 @@ RayKind closest_kind(RayKind kind) {
   return kind;
 }
 
-/// A point off a surface, seen from the side of `normal` (unit).
-struct SurfacePoint {
-  Vec3 position;
-  Vec3 normal;
-  float time;
-};
-
 std::vector<HitRecord> trace(const StructureUnderTest& reference, std::span<const Ray> rays) {
   std::vector<HitRecord> hits(rays.size());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rays.size(), 1024), [&](const auto& range) {
@@ -50,19 +42,8 @@ std::vector<HitRecord> trace(const StructureUnderTest& reference, std::span<cons
   return hits;
 }
 
-/// The hit point, moved to the ray's side of the surface by 64 units in the last place of the coordinates
-/// that made it: several times what the oracle counts as rounding.
-SurfacePoint surface_point(const Scene& scene, const Ray& ray, const HitRecord& hit) {
-  const Mesh& mesh = scene.meshes[hit.geom_id];
-  const auto p = triangle_at(mesh, hit.prim_id, motion_sample(mesh, ray.time));
-  const Vec3 direction = to_double(ray.direction);
-  Vec3 normal = normalize(cross(p[1] - p[0], p[2] - p[0]));
-  if (dot(normal, direction) > 0) normal = -normal;
-  const Vec3 origin = to_double(ray.origin);
-  const Vec3 along = direction * static_cast<double>(hit.t);
-  const double magnitude = length(origin) + length(along) + length(p[0]);
-  return {origin + along + normal * (64 * 0x1p-23 * magnitude), normal, ray.time};
-}
+/// Several times as far off the surface as what the oracle counts as rounding.
+constexpr double kUlpsOffSurface = 64;
 
 /// Up to `count` points that `reference` hits: through the camera, then aimed at geometry.
 std::vector<SurfacePoint> hit_points(const Scene& scene, const StructureUnderTest& reference,
@@ -83,7 +64,9 @@ std::vector<SurfacePoint> hit_points(const Scene& scene, const StructureUnderTes
     }
     const std::vector<HitRecord> hits = trace(reference, rays);
     for (std::size_t i = 0; i < rays.size() && points.size() < count; ++i) {
-      if (hits[i].is_hit()) points.push_back(surface_point(scene, rays[i], hits[i]));
+      if (!hits[i].is_hit()) continue;
+      points.push_back(point_off_surface(scene.meshes[hits[i].geom_id], hits[i].prim_id, rays[i],
+                                         static_cast<double>(hits[i].t), kUlpsOffSurface));
     }
   }
   return points;

@@ -27,6 +27,17 @@ Vec3 random_direction(Pcg32& random) {
   return {radius * std::cos(angle), radius * std::sin(angle), z};
 }
 
+SurfacePoint point_off_surface(const Mesh& mesh, std::size_t prim, const Ray& ray, double t, double ulps) {
+  const auto p = triangle_at(mesh, prim, motion_sample(mesh, ray.time));
+  const Vec3 direction = to_double(ray.direction);
+  Vec3 normal = normalize(cross(p[1] - p[0], p[2] - p[0]));
+  if (dot(normal, direction) > 0) normal = -normal;
+  const Vec3 origin = to_double(ray.origin);
+  const Vec3 along = direction * t;
+  const double magnitude = length(origin) + length(along) + length(p[0]);
+  return {origin + along + normal * (ulps * 0x1p-23 * magnitude), normal, ray.time};
+}
+
 CameraRays::CameraRays(const Camera& camera)
     : position_(to_double(camera.position)),
       forward_(normalize(to_double(camera.target) - to_double(camera.position))) {

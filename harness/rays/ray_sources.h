@@ -5,8 +5,9 @@
 #include <vector>
 
 #include "harness/rays/ray_set.h"
-#include "harness/scenes/procedural/mesh_tools.h"
+#include "harness/scenes/pcg32.h"
 #include "harness/scenes/scene.h"
+#include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {
 
@@ -17,6 +18,17 @@ float random_time(Pcg32& random);
 
 /// Uniform on the unit sphere.
 Vec3 random_direction(Pcg32& random);
+
+/// A point beside a surface, seen from the side of `normal` (unit).
+struct SurfacePoint {
+  Vec3 position;
+  Vec3 normal;
+  float time;
+};
+
+/// The point that `ray` hits at `t` on triangle `prim`, moved to the ray's side of the surface by `ulps`
+/// units in the last place of the coordinates that made it.
+SurfacePoint point_off_surface(const Mesh& mesh, std::size_t prim, const Ray& ray, double t, double ulps);
 
 /// Pinhole camera; the image is [0, 1]^2, rows from top to bottom.
 class CameraRays {

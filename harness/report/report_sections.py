@@ -304,7 +304,11 @@ def render_scene(scene, group, is_open):
     heat = list(heat_pictures(group))
     if heat:
         blocks.append(Pictures(heat))
-    return Fold(scene, blocks, is_open)
+    return Fold(f"{scene}, {size_of(group[0])}", blocks, is_open)
+
+
+def size_of(r):
+    return f'{r["width"]} x {r["height"]}, {number(r["samples_per_pixel"])} samples for each pixel'
 
 
 def renders(records):
@@ -314,10 +318,8 @@ def renders(records):
     by_key = {(r["scene"], r["structure"]): r for r in found}
     rows = [[f"`{name}`"] + [f'{by_key[s, name]["seconds"]:.2f}' if (s, name) in by_key else "-" for s in scenes]
             for name in names]
-    first = found[0]
-    text = (f'The same paths through each structure: {first["width"]} x {first["height"]} pixels, '
-            f'{first["samples_per_pixel"]} samples each, one seed. Pictures differ only where a structure answers '
-            "otherwise; heat maps say what a camera ray meets in the tree.")
+    text = ("The same paths through each structure, with one seed. Pictures differ only where a structure answers otherwise; "
+            "heat maps say what a camera ray meets in the tree.")
     return Section("renders", "Renderings", [
         Text(text), Table(["seconds"] + scenes, rows, "Tracing and shading on all threads, without the build.", ours_among(names)),
         *[render_scene(scene, group, scene == scenes[0]) for (scene,), group in grouped(found, "scene").items()]])

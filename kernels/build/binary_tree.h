@@ -1,4 +1,6 @@
-/// The binary tree that the splits make, before it is collapsed into nodes of eight children.
+/// The binary tree that the splits make, before it is collapsed into nodes of eight children. Two of its
+/// nodes stand for each leaf until everything is encoded: they are most of what a build needs beside the
+/// structure, and so are kept small.
 #pragma once
 
 #include <array>
@@ -11,32 +13,57 @@
 
 namespace stbvh {
 
+/// What leaves and inner nodes have in common; which of them it is says is_leaf().
+struct BinaryNode {
+  PackedBounds packed_bounds;
+  ClosedTimeRange range;
+  std::uint32_t subtree_leaves;
+  std::uint32_t units;  ///< of the encoded subtree; filled by the encoder
+
+  bool is_leaf() const { return subtree_leaves == 1; }
+  LinearBounds bounds() const { return packed_bounds.unpacked(); }
+};
+
 /// A meshlet over the time range of its node.
-struct BinaryLeaf {
+struct BinaryLeaf : BinaryNode {
   const Meshlet* meshlet;
   std::uint32_t mesh;
   BuildMesh::SegmentRange segments;  ///< {0, 0} and no motion where the mesh is static
   bool is_indexed;                   ///< set by the encoder
 };
 
-struct BinaryNode {
-  LinearBounds bounds;
-  ClosedTimeRange range;
-  BinaryNode* children[2];  ///< null in a leaf
-  BinaryLeaf* leaf;         ///< null in an inner node
+/// How a node shares out slots to its two subtrees; four bits for each number of slots.
+class SlotShares {
+ public:
+  /// Of `slots`, 2 to 8, the number that children[0] gets where the node is replaced by its children; 0: it
+  /// is better off with one slot less.
+  std::size_t from_left(std::size_t slots) const { return bits_ >> (4 * (slots - 2)) & 7u; }
+  void set_from_left(std::size_t slots, std::size_t count) { set(slots - 2, count); }
+  /// Of the eight children that it has as a node of its own.
+  std::size_t own_from_left() const { return bits_ >> (4 * kOwn) & 7u; }
+  void set_own_from_left(std::size_t count) { set(kOwn, count); }
 
-  /// cost[i]: least expected cost of the subtree as at most i + 1 children of a node above it. Filled by
-  /// collapse.
-  std::array<float, kWidth> cost;
-  /// How cost[i] is reached: the number of children that come from children[0]; 0: as cost[i-1], or for i = 0
-  /// as a node (or leaf) of its own.
-  std::array<std::uint8_t, kWidth> from_left;
-  std::uint8_t own_from_left;  ///< of the eight children that the node has as a node of its own
+ private:
+  static constexpr std::size_t kOwn = kWidth - 1;
+  void set(std::size_t place, std::size_t count) {
+    bits_ |= static_cast<std::uint32_t>(count) << (4 * place);
+  }
 
-  std::size_t subtree_leaves;
-  std::size_t units;  ///< of the encoded subtree; filled by the encoder
-
-  bool is_leaf() const { return leaf != nullptr; }
+  std::uint32_t bits_ = 0;
 };
+
+struct BinaryInner : BinaryNode {
+  BinaryNode* children[2];
+  SlotShares shares;
+};
+
+static_assert(sizeof(BinaryLeaf) == 88 && sizeof(BinaryInner) == 88);
+
+inline const BinaryLeaf& as_leaf(const BinaryNode& node) {
+  return static_cast<const BinaryLeaf&>(node);
+}
+inline const BinaryInner& as_inner(const BinaryNode& node) {
+  return static_cast<const BinaryInner&>(node);
+}
 
 }  // namespace stbvh

@@ -79,7 +79,8 @@ class Arena {
 
   template <typename T>
   T* make() {
-    constexpr std::size_t bytes = (sizeof(T) + 15) / 16 * 16;
+    constexpr std::size_t bytes = (sizeof(T) + kPieceAlignment - 1) / kPieceAlignment * kPieceAlignment;
+    static_assert(alignof(T) <= kPieceAlignment);
     if (used_ + bytes > kChunkBytes) {
       chunks_.push_back(std::make_unique<TemporaryArray<std::byte>>(memory_, kChunkBytes));
       used_ = 0;
@@ -91,6 +92,7 @@ class Arena {
 
  private:
   static constexpr std::size_t kChunkBytes = 1 << 18;
+  static constexpr std::size_t kPieceAlignment = alignof(void*);
   BuildMemory& memory_;
   std::vector<std::unique_ptr<TemporaryArray<std::byte>>> chunks_;
   std::size_t used_ = kChunkBytes;

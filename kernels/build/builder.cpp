@@ -6,7 +6,6 @@
 
 #include <algorithm>
 
-#include "build/collapse.h"
 #include "build/mbsah.h"
 #include "build/meshlets.h"
 #include "build/object_split.h"
@@ -44,9 +43,10 @@ void invoke_both(bool parallel, const F& f, const G& g) {
 
 /// Linear bounds over `range` of two subtrees that may be alive in parts of it only.
 LinearBounds merged_bounds(const ClosedTimeRange& range, const BinaryNode& left, const BinaryNode& right) {
+  const LinearBounds bounds[2] = {left.bounds(), right.bounds()};
   if (left.range == range && right.range == range) {
-    LinearBounds both = left.bounds;
-    both.extend(right.bounds);
+    LinearBounds both = bounds[0];
+    both.extend(bounds[1]);
     return both;
   }
   const double length = static_cast<double>(range.last) - range.begin;
@@ -55,9 +55,10 @@ LinearBounds merged_bounds(const ClosedTimeRange& range, const BinaryNode& left,
   };
   std::array<BoundsSample, 6> samples;
   std::size_t count = 0;
-  for (const BinaryNode* node : {&left, &right}) {
-    samples[count++] = {parameter(node->range.begin), node->bounds.lower_begin, node->bounds.upper_begin};
-    samples[count++] = {parameter(node->range.last), node->bounds.lower_end, node->bounds.upper_end};
+  const ClosedTimeRange ranges[2] = {left.range, right.range};
+  for (std::size_t i = 0; i < 2; ++i) {
+    samples[count++] = {parameter(ranges[i].begin), bounds[i].lower_begin, bounds[i].upper_begin};
+    samples[count++] = {parameter(ranges[i].last), bounds[i].lower_end, bounds[i].upper_end};
   }
   const auto earlier = [](const BoundsSample& a, const BoundsSample& b) { return a.parameter < b.parameter; };
   std::sort(samples.begin(), samples.begin() + 4, earlier);
@@ -97,10 +98,10 @@ void BinaryTree::build() {
   if (all.size() == 0) return;
   total_work_ =
       static_cast<double>(all.size()) * std::max(1e-30, static_cast<double>(range_.last) - range_.begin);
-  root_ = build_root(all);
+  root_ = build_root(all).node;
 }
 
-BinaryNode* BinaryTree::build_root(ReferenceSet& set) {
+BinaryTree::Subtree BinaryTree::build_root(ReferenceSet& set) {
   const auto is_static = [&](const Reference& reference) {
     return context_.meshes[reference.mesh].is_static();
   };
@@ -147,7 +148,7 @@ ReferenceSet BinaryTree::make_references(TemporaryArray<Reference>& storage) {
   return set;
 }
 
-BinaryNode* BinaryTree::build_node(ReferenceSet set, std::size_t depth) {
+BinaryTree::Subtree BinaryTree::build_node(ReferenceSet set, std::size_t depth) {
   if (set.size() >= kPollSet) context_.progress.poll();
   context_.progress.check();
   const bool may_choose = depth < kSplitDepthLimit;
@@ -162,68 +163,65 @@ BinaryNode* BinaryTree::build_node(ReferenceSet set, std::size_t depth) {
   return split_in_space(set, depth, object);
 }
 
-BinaryNode* BinaryTree::split_in_time(const ReferenceSet& set, const ClosedTimeRange (&halves)[2],
-                                      std::size_t depth) {
+BinaryTree::Subtree BinaryTree::split_in_time(const ReferenceSet& set, const ClosedTimeRange (&halves)[2],
+                                              std::size_t depth) {
   temporal_splits_.fetch_add(1, std::memory_order_relaxed);
-  BinaryNode* nodes[2] = {nullptr, nullptr};
+  Subtree subtrees[2];
   const auto build_half = [&](int half) {
     TemporaryArray<Reference> storage(context_.memory, set.size());
     const ReferenceSet remade = remake_references(context_, set, halves[half], storage.span());
-    if (remade.size() > 0) nodes[half] = build_node(remade, depth + 1);
+    if (remade.size() > 0) subtrees[half] = build_node(remade, depth + 1);
   };
   // One half after the other where the set is small: its copy is given back before the other is made.
   invoke_both(
       set.size() >= kParallelSet, [&] { build_half(0); }, [&] { build_half(1); });
-  if (nodes[0] == nullptr && nodes[1] == nullptr) throw BuildCancelled();  // tasks were skipped
-  if (nodes[0] == nullptr || nodes[1] == nullptr) return nodes[0] != nullptr ? nodes[0] : nodes[1];
-  return make_inner(set.range, nodes[0], nodes[1]);
+  const auto& [first, second] = subtrees;
+  if (first.node == nullptr && second.node == nullptr) throw BuildCancelled();  // tasks were skipped
+  if (first.node == nullptr || second.node == nullptr) return first.node != nullptr ? first : second;
+  return make_inner(set.range, first, second);
 }
 
-BinaryNode* BinaryTree::split_in_space(ReferenceSet& set, std::size_t depth, const ObjectSplit& split) {
+BinaryTree::Subtree BinaryTree::split_in_space(ReferenceSet& set, std::size_t depth,
+                                               const ObjectSplit& split) {
   const auto [left, right] = apply_object_split(set, split);
   return build_children(set.range, left, right, depth + 1);
 }
 
-BinaryNode* BinaryTree::build_children(const ClosedTimeRange& range, const ReferenceSet& left_set,
-                                       const ReferenceSet& right_set, std::size_t depth) {
-  BinaryNode* left = nullptr;
-  BinaryNode* right = nullptr;
+BinaryTree::Subtree BinaryTree::build_children(const ClosedTimeRange& range, const ReferenceSet& left_set,
+                                               const ReferenceSet& right_set, std::size_t depth) {
+  Subtree left, right;
   invoke_both(
       left_set.size() + right_set.size() >= kParallelSet, [&] { left = build_node(left_set, depth); },
       [&] { right = build_node(right_set, depth); });
-  if (left == nullptr || right == nullptr) throw BuildCancelled();  // tasks were skipped
+  if (left.node == nullptr || right.node == nullptr) throw BuildCancelled();  // tasks were skipped
   return make_inner(range, left, right);
 }
 
-BinaryNode* BinaryTree::make_leaf(const ReferenceSet& set) {
-  Arena& arena = arenas_.local();
-  BinaryNode* node = arena.make<BinaryNode>();
-  node->leaf = arena.make<BinaryLeaf>();
+BinaryTree::Subtree BinaryTree::make_leaf(const ReferenceSet& set) {
+  BinaryLeaf* leaf = arenas_.local().make<BinaryLeaf>();
   const Reference& reference = set.references[0];
   const BuildMesh& mesh = context_.meshes[reference.mesh];
-  *node->leaf = {
-      &context_.meshlets[reference.mesh].meshlets()[reference.meshlet], reference.mesh, {0, 0}, false};
-  if (!mesh.is_static()) node->leaf->segments = mesh.segments_in(set.range);
-  node->children[0] = node->children[1] = nullptr;
-  node->range = set.range;
-  node->subtree_leaves = 1;
-  node->bounds = reference.bounds();
-  update_collapse_cost(*node);
+  leaf->packed_bounds = PackedBounds(reference.bounds());
+  leaf->range = set.range;
+  leaf->subtree_leaves = 1;
+  leaf->meshlet = &context_.meshlets[reference.mesh].meshlets()[reference.meshlet];
+  leaf->mesh = reference.mesh;
+  leaf->segments = mesh.is_static() ? BuildMesh::SegmentRange{0, 0} : mesh.segments_in(set.range);
+  leaf->is_indexed = false;
   const double length = static_cast<double>(set.range.last) - set.range.begin;
   context_.progress.add(static_cast<double>(set.size()) * length / total_work_);
-  return node;
+  return {leaf, leaf_costs(*leaf)};
 }
 
-BinaryNode* BinaryTree::make_inner(const ClosedTimeRange& range, BinaryNode* left, BinaryNode* right) {
-  BinaryNode* node = arenas_.local().make<BinaryNode>();
-  node->leaf = nullptr;
-  node->children[0] = left;
-  node->children[1] = right;
-  node->range = range;
-  node->subtree_leaves = left->subtree_leaves + right->subtree_leaves;
-  node->bounds = merged_bounds(range, *left, *right);
-  update_collapse_cost(*node);
-  return node;
+BinaryTree::Subtree BinaryTree::make_inner(const ClosedTimeRange& range, const Subtree& left,
+                                           const Subtree& right) {
+  BinaryInner* inner = arenas_.local().make<BinaryInner>();
+  inner->packed_bounds = PackedBounds(merged_bounds(range, *left.node, *right.node));
+  inner->range = range;
+  inner->subtree_leaves = left.node->subtree_leaves + right.node->subtree_leaves;
+  inner->children[0] = left.node;
+  inner->children[1] = right.node;
+  return {inner, share_slots(*inner, left.costs, right.costs)};
 }
 
 }  // namespace stbvh

@@ -7,6 +7,7 @@
 
 #include "build/binary_tree.h"
 #include "build/build_context.h"
+#include "build/collapse.h"
 #include "build/reference_set.h"
 
 namespace stbvh {
@@ -16,7 +17,7 @@ class BinaryTree {
  public:
   explicit BinaryTree(BuildContext& context);
 
-  /// Splits until every set fits a leaf. Collapse costs are filled on the way up.
+  /// Splits until every set fits a leaf; how to collapse it is worked out on the way up.
   void build();
 
   BinaryNode* root() const { return root_; }  ///< null: there is no valid triangle
@@ -27,17 +28,23 @@ class BinaryTree {
   std::size_t temporal_splits() const { return temporal_splits_.load(); }
 
  private:
+  /// A finished subtree, with what the node above it needs to know.
+  struct Subtree {
+    BinaryNode* node = nullptr;
+    CollapseCosts costs;
+  };
+
   ReferenceSet make_references(TemporaryArray<Reference>& storage);
   /// Static meshes and moving ones go to different sides of the root: what stands still is mostly large, and
   /// would stretch the boxes of what moves.
-  BinaryNode* build_root(ReferenceSet& set);
-  BinaryNode* build_node(ReferenceSet set, std::size_t depth);
-  BinaryNode* build_children(const ClosedTimeRange& range, const ReferenceSet& left_set,
-                             const ReferenceSet& right_set, std::size_t depth);
-  BinaryNode* make_leaf(const ReferenceSet& set);  ///< of one reference
-  BinaryNode* make_inner(const ClosedTimeRange& range, BinaryNode* left, BinaryNode* right);
-  BinaryNode* split_in_time(const ReferenceSet& set, const ClosedTimeRange (&halves)[2], std::size_t depth);
-  BinaryNode* split_in_space(ReferenceSet& set, std::size_t depth, const struct ObjectSplit& split);
+  Subtree build_root(ReferenceSet& set);
+  Subtree build_node(ReferenceSet set, std::size_t depth);
+  Subtree build_children(const ClosedTimeRange& range, const ReferenceSet& left_set,
+                         const ReferenceSet& right_set, std::size_t depth);
+  Subtree make_leaf(const ReferenceSet& set);  ///< of one reference
+  Subtree make_inner(const ClosedTimeRange& range, const Subtree& left, const Subtree& right);
+  Subtree split_in_time(const ReferenceSet& set, const ClosedTimeRange (&halves)[2], std::size_t depth);
+  Subtree split_in_space(ReferenceSet& set, std::size_t depth, const struct ObjectSplit& split);
 
   BuildContext& context_;
   tbb::enumerable_thread_specific<Arena> arenas_;

@@ -6,55 +6,62 @@
 
 namespace stbvh {
 
-void update_collapse_cost(BinaryNode& node) {
-  const float area = expected_area(node.bounds, node.range);
-  node.from_left.fill(0);
-  if (node.is_leaf()) {
-    node.cost.fill(area * kLeafCost);
-    return;
-  }
-  std::array<float, kWidth> split_cost;
-  std::array<std::uint8_t, kWidth> split_left;
+CollapseCosts leaf_costs(const BinaryLeaf& leaf) {
+  CollapseCosts costs;
+  costs.fill(expected_area(leaf.bounds(), leaf.range) * kLeafCost);
+  return costs;
+}
+
+CollapseCosts share_slots(BinaryInner& node, const CollapseCosts& left, const CollapseCosts& right) {
+  CollapseCosts split_costs;
+  std::array<std::size_t, kWidth> split_left{};
   for (std::size_t i = 1; i < kWidth; ++i) {
-    split_cost[i] = std::numeric_limits<float>::infinity();
-    for (std::size_t left = 1; left <= i; ++left) {
-      const float cost = node.children[0]->cost[left - 1] + node.children[1]->cost[i - left];
-      if (cost < split_cost[i] || left == 1) {
-        split_cost[i] = cost;
-        split_left[i] = static_cast<std::uint8_t>(left);
+    split_costs[i] = std::numeric_limits<float>::infinity();
+    for (std::size_t slots = 1; slots <= i; ++slots) {
+      const float cost = left[slots - 1] + right[i - slots];
+      if (cost < split_costs[i] || slots == 1) {
+        split_costs[i] = cost;
+        split_left[i] = slots;
       }
     }
   }
   // As a node of its own it has up to eight children.
-  node.cost[0] = area * kNodeCost + split_cost[kWidth - 1];
+  CollapseCosts costs;
+  costs[0] = expected_area(node.bounds(), node.range) * kNodeCost + split_costs[kWidth - 1];
+  node.shares = {};
   for (std::size_t i = 1; i < kWidth; ++i) {
-    const bool split = split_cost[i] < node.cost[i - 1];
-    node.cost[i] = split ? split_cost[i] : node.cost[i - 1];
-    node.from_left[i] = split ? split_left[i] : std::uint8_t{0};
+    const bool split = split_costs[i] < costs[i - 1];
+    costs[i] = split ? split_costs[i] : costs[i - 1];
+    if (split) node.shares.set_from_left(i + 1, split_left[i]);
   }
-  node.own_from_left = split_left[kWidth - 1];
+  node.shares.set_own_from_left(split_left[kWidth - 1]);
+  return costs;
 }
 
 namespace {
 
 /// Appends the subtrees that `node` becomes as at most `slots` children.
-std::size_t append(BinaryNode& node, std::size_t slots, std::array<BinaryNode*, kWidth>& children,
+std::size_t append(BinaryNode* node, std::size_t slots, std::array<BinaryNode*, kWidth>& children,
                    std::size_t count) {
-  while (slots > 1 && node.from_left[slots - 1] == 0) --slots;
-  if (slots == 1) {
-    children[count] = &node;
-    return count + 1;
+  if (!node->is_leaf()) {
+    const BinaryInner& inner = as_inner(*node);
+    while (slots > 1 && inner.shares.from_left(slots) == 0) --slots;
+    if (slots > 1) {
+      const std::size_t left = inner.shares.from_left(slots);
+      count = append(inner.children[0], left, children, count);
+      return append(inner.children[1], slots - left, children, count);
+    }
   }
-  const std::size_t left = node.from_left[slots - 1];
-  count = append(*node.children[0], left, children, count);
-  return append(*node.children[1], slots - left, children, count);
+  children[count] = node;
+  return count + 1;
 }
 
 }  // namespace
 
-std::size_t wide_children(BinaryNode& node, std::array<BinaryNode*, kWidth>& children) {
-  const std::size_t count = append(*node.children[0], node.own_from_left, children, 0);
-  return append(*node.children[1], kWidth - node.own_from_left, children, count);
+std::size_t wide_children(const BinaryInner& node, std::array<BinaryNode*, kWidth>& children) {
+  const std::size_t left = node.shares.own_from_left();
+  const std::size_t count = append(node.children[0], left, children, 0);
+  return append(node.children[1], kWidth - left, children, count);
 }
 
 }  // namespace stbvh

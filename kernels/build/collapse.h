@@ -7,11 +7,16 @@
 
 namespace stbvh {
 
-/// Fills cost and from_left of a leaf, or of a node whose children have theirs.
-void update_collapse_cost(BinaryNode& node);
+/// [i]: least expected cost of a subtree as at most i + 1 children of a node above it.
+using CollapseCosts = std::array<float, kWidth>;
 
-/// The subtrees that become the children of the wide node made of `node` (not a leaf), two to eight, in the
-/// tree's order; returns how many.
-std::size_t wide_children(BinaryNode& node, std::array<BinaryNode*, kWidth>& children);
+CollapseCosts leaf_costs(const BinaryLeaf& leaf);
+
+/// Fills `shares` of a node whose children have these costs, and returns its own.
+CollapseCosts share_slots(BinaryInner& node, const CollapseCosts& left, const CollapseCosts& right);
+
+/// The subtrees that become the children of the wide node made of `node`, two to eight, in the tree's order;
+/// returns how many.
+std::size_t wide_children(const BinaryInner& node, std::array<BinaryNode*, kWidth>& children);
 
 }  // namespace stbvh

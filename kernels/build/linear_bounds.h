@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstring>
 #include <span>
 
 #include "simd/f32x4.h"
@@ -43,6 +44,27 @@ inline void LinearBounds::extend(const LinearBounds& other) {
 inline float LinearBounds::centre_area() const {
   const F32x4 size = twice_centre_upper() - twice_centre_lower();
   return half_area(max(size, F32x4(0.0f)));
+}
+
+/// Linear bounds without the lanes that carry nothing.
+class PackedBounds {
+ public:
+  PackedBounds() = default;
+  explicit PackedBounds(const LinearBounds& bounds);
+  LinearBounds unpacked() const;
+
+ private:
+  float corners_[4][3];
+};
+
+inline PackedBounds::PackedBounds(const LinearBounds& bounds) {
+  const F32x4* corners[] = {&bounds.lower_begin, &bounds.upper_begin, &bounds.lower_end, &bounds.upper_end};
+  for (std::size_t i = 0; i < 4; ++i) std::memcpy(corners_[i], corners[i], sizeof corners_[i]);
+}
+
+inline LinearBounds PackedBounds::unpacked() const {
+  const auto corner = [&](std::size_t i) { return F32x4(corners_[i][0], corners_[i][1], corners_[i][2]); };
+  return {corner(0), corner(1), corner(2), corner(3)};
 }
 
 /// Box of the geometry at one time, as a parameter in [0, 1] of the time range.

@@ -25,7 +25,7 @@ LinkKind node_kind(const BinaryNode& node, std::span<BinaryNode* const> children
   bool moves = false;
   for (const BinaryNode* child : children) {
     if (!(child->range == node.range)) return LinkKind::kSpatialTemporalNode;
-    moves = moves || !child->bounds.is_static();
+    moves = moves || !child->bounds().is_static();
   }
   return moves ? LinkKind::kLinearNode : LinkKind::kStaticNode;
 }
@@ -82,7 +82,7 @@ void clear_planes(float (*planes)[kWidth]) {
 /// The order in which occlusion rays try the children they meet: what is large and decides soon comes first.
 bool is_tried_before(const BinaryNode* a, const BinaryNode* b) {
   const auto promise = [](const BinaryNode* node) {
-    return node->bounds.centre_area() / (1.0f + std::log2(static_cast<float>(node->subtree_leaves)));
+    return node->bounds().centre_area() / (1.0f + std::log2(static_cast<float>(node->subtree_leaves)));
   };
   return promise(a) > promise(b);
 }
@@ -95,14 +95,14 @@ void write_node(const BinaryNode& node, LinkKind kind, Children children, const 
     StaticNode n{};
     clear_planes(n.planes);
     for (std::size_t i = 0; i < children.size(); ++i)
-      write_planes(children[i]->bounds, 0.0f, i, n.planes, nullptr);
+      write_planes(children[i]->bounds(), 0.0f, i, n.planes, nullptr);
     std::copy_n(links, kWidth, n.children);
     std::memcpy(out, &n, sizeof n);
   } else if (kind == LinkKind::kLinearNode) {
     LinearNode n{};
     clear_planes(n.planes);
     for (std::size_t i = 0; i < children.size(); ++i) {
-      write_planes(children[i]->bounds, duration(node), i, n.planes, n.slopes);
+      write_planes(children[i]->bounds(), duration(node), i, n.planes, n.slopes);
     }
     std::copy_n(links, kWidth, n.children);
     n.time_begin = node.range.begin;
@@ -111,7 +111,7 @@ void write_node(const BinaryNode& node, LinkKind kind, Children children, const 
     SpatialTemporalNode n{};
     clear_planes(n.planes);
     for (std::size_t i = 0; i < children.size(); ++i) {
-      write_planes(children[i]->bounds, duration(*children[i]), i, n.planes, n.slopes);
+      write_planes(children[i]->bounds(), duration(*children[i]), i, n.planes, n.slopes);
       n.time_begin[i] = children[i]->range.begin;
       n.time_last[i] = children[i]->range.last;
     }
@@ -155,12 +155,12 @@ struct RankedLeaf {
   }
 };
 
-void collect_leaves(BinaryNode& node, std::vector<BinaryNode*>& leaves) {
+void collect_leaves(BinaryNode& node, std::vector<BinaryLeaf*>& leaves) {
   if (node.is_leaf()) {
-    leaves.push_back(&node);
+    leaves.push_back(static_cast<BinaryLeaf*>(&node));
     return;
   }
-  for (BinaryNode* child : node.children) collect_leaves(*child, leaves);
+  for (BinaryNode* child : as_inner(node).children) collect_leaves(*child, leaves);
 }
 
 template <typename Body>
@@ -198,14 +198,14 @@ Encoder::Encoder(const BuildContext& context, const BinaryTree& tree)
 void Encoder::choose_leaves() {
   const float share = context_.settings.inline_share;
   if (share >= 1.0f) return;
-  std::vector<BinaryNode*> leaves;
+  std::vector<BinaryLeaf*> leaves;
   collect_leaves(*root_, leaves);
-  const auto bytes = [&](const BinaryNode* node) { return inline_leaf_bytes(leaf_steps(*node->leaf)); };
+  const auto bytes = [&](const BinaryLeaf* leaf) { return inline_leaf_bytes(leaf_steps(*leaf)); };
   std::vector<RankedLeaf> ranked(leaves.size());
   double left = 0;
   for (std::uint32_t i = 0; i < leaves.size(); ++i) {
     const auto size = static_cast<float>(bytes(leaves[i]));
-    ranked[i] = {expected_area(leaves[i]->bounds, leaves[i]->range) / size, i};
+    ranked[i] = {expected_area(leaves[i]->bounds(), leaves[i]->range) / size, i};
     left += static_cast<double>(size) * share;
   }
   tbb::parallel_sort(ranked.begin(), ranked.end());
@@ -216,11 +216,11 @@ void Encoder::choose_leaves() {
   }
   indexed_.assign(meshlets, kNone);
   for (const RankedLeaf& rank : ranked) {
-    BinaryNode* const node = leaves[rank.index];
-    const auto size = static_cast<double>(bytes(node));
-    node->leaf->is_indexed = size > left;
-    if (node->leaf->is_indexed) {
-      indexed_[meshlet_number(*node->leaf)] = 0;
+    BinaryLeaf* const leaf = leaves[rank.index];
+    const auto size = static_cast<double>(bytes(leaf));
+    leaf->is_indexed = size > left;
+    if (leaf->is_indexed) {
+      indexed_[meshlet_number(*leaf)] = 0;
     } else {
       left -= size;
     }
@@ -246,22 +246,25 @@ std::size_t Encoder::leaf_units(const BinaryLeaf& leaf) const {
 Encoder::Counts Encoder::measure(BinaryNode& node) const {
   Counts counts;
   if (node.is_leaf()) {
-    (node.leaf->is_indexed ? counts.indexed_leaves : counts.inline_leaves) = 1;
-    counts.leaf_triangles = node.leaf->meshlet->triangle_count;
-    counts.leaf_units = node.units = leaf_units(*node.leaf);
+    const BinaryLeaf& leaf = as_leaf(node);
+    (leaf.is_indexed ? counts.indexed_leaves : counts.inline_leaves) = 1;
+    counts.leaf_triangles = leaf.meshlet->triangle_count;
+    counts.leaf_units = leaf_units(leaf);
+    node.units = static_cast<std::uint32_t>(counts.leaf_units);
     return counts;
   }
   std::array<BinaryNode*, kWidth> children;
-  const std::size_t count = wide_children(node, children);
+  const std::size_t count = wide_children(as_inner(node), children);
   std::array<Counts, kWidth> child_counts;
   const bool parallel = node.subtree_leaves >= kParallelLeaves;
   for_each_child(parallel, count, [&](std::size_t i) { child_counts[i] = measure(*children[i]); });
   const LinkKind kind = node_kind(node, {children.data(), count});
-  node.units = node_units(kind);
+  std::size_t units = node_units(kind);
   for (std::size_t i = 0; i < count; ++i) {
     counts.add(child_counts[i]);
-    node.units += children[i]->units;
+    units += children[i]->units;
   }
+  node.units = static_cast<std::uint32_t>(std::min(units, kMaxUnits + 1));  // more is refused in the end
   ++counts.nodes[static_cast<std::size_t>(kind)];
   counts.node_children[static_cast<std::size_t>(kind)] += count;
   ++counts.depth;
@@ -284,17 +287,18 @@ Link Encoder::encode(std::byte* data) const {
   return encode_node(*root_, data, 0);
 }
 
-Link Encoder::encode_node(BinaryNode& node, std::byte* data, std::size_t unit) const {
+Link Encoder::encode_node(const BinaryNode& node, std::byte* data, std::size_t unit) const {
   if (node.is_leaf()) {
-    if (node.leaf->is_indexed) {
-      const std::size_t number = indexed_[meshlet_number(*node.leaf)];
+    const BinaryLeaf& leaf = as_leaf(node);
+    if (leaf.is_indexed) {
+      const std::size_t number = indexed_[meshlet_number(leaf)];
       return make_link(LinkKind::kLeaf, units_ + number * (kIndexedLeafBytes / kUnitBytes));
     }
-    encode_inline_leaf(*node.leaf, data + unit * kUnitBytes);
+    encode_inline_leaf(leaf, data + unit * kUnitBytes);
     return make_link(LinkKind::kLeaf, unit);
   }
   std::array<BinaryNode*, kWidth> children;
-  const std::size_t count = wide_children(node, children);
+  const std::size_t count = wide_children(as_inner(node), children);
   std::stable_sort(children.begin(), children.begin() + static_cast<std::ptrdiff_t>(count), is_tried_before);
   const LinkKind kind = node_kind(node, {children.data(), count});
   std::array<std::size_t, kWidth> units;

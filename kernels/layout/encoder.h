@@ -35,7 +35,7 @@ class Encoder {
   /// Chooses which leaves are indexed; numbers the meshlets of those.
   void choose_leaves();
   Counts measure(BinaryNode& node) const;
-  Link encode_node(BinaryNode& node, std::byte* data, std::size_t unit) const;
+  Link encode_node(const BinaryNode& node, std::byte* data, std::size_t unit) const;
   void encode_inline_leaf(const BinaryLeaf& leaf, std::byte* out) const;
   std::size_t leaf_units(const BinaryLeaf& leaf) const;
   std::size_t leaf_steps(const BinaryLeaf& leaf) const;

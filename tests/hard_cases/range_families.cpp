@@ -3,7 +3,6 @@
 #include <limits>
 
 #include "harness/oracle/oracle.h"
-#include "harness/rays/moving_triangle.h"
 #include "harness/rays/ray_sources.h"
 #include "tests/hard_cases/aiming.h"
 #include "tests/hard_cases/catalogue.h"
@@ -55,17 +54,9 @@ struct Departure {
 /// a path tracer starts its next ray.
 Departure departure(const Scene& scene, const Ray& ray, const OracleAnswer& answer, double ulps,
                     Pcg32& random) {
-  const Mesh& mesh = scene.meshes[answer.geom_id];
-  const Corners p = triangle_at(mesh, answer.prim_id, motion_sample(mesh, ray.time));
-  const Vec3 direction = to_double(ray.direction);
-  Vec3 normal = normalize(cross(p[1] - p[0], p[2] - p[0]));
-  if (dot(normal, direction) > 0) normal = -normal;
-  const Vec3 origin = to_double(ray.origin);
-  const Vec3 along = direction * answer.t;
-  const double magnitude = length(origin) + length(along) + length(p[0]);
-  const Vec3 start = origin + along + normal * (ulps * 0x1p-23 * magnitude);
-  const Vec3 onward = normalize(normal + random_direction(random) * 0.9999);
-  return {make_ray(start, onward, std::numeric_limits<double>::infinity(), ray.time),
+  const SurfacePoint p = point_off_surface(scene.meshes[answer.geom_id], answer.prim_id, ray, answer.t, ulps);
+  const Vec3 onward = normalize(p.normal + random_direction(random) * 0.9999);
+  return {make_ray(p.position, onward, std::numeric_limits<double>::infinity(), p.time),
           {answer.geom_id, answer.prim_id}};
 }
 

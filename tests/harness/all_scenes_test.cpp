@@ -13,8 +13,8 @@
 #include "harness/oracle/judge.h"
 #include "harness/rays/ray_generator.h"
 #include "harness/scenes/gltf/gltf.h"
-#include "harness/scenes/procedural/mesh_tools.h"
 #include "harness/scenes/procedural/procedural.h"
+#include "harness/scenes/vec3.h"
 #include "harness/structures/structure_under_test.h"
 #include "tests/harness/trace_all.h"
 

@@ -1,11 +1,8 @@
 /// Comparing pictures: figures worked out by hand, and FLIP against values of its authors' own program.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -17,6 +14,7 @@
 #include "harness/images/heat_map.h"
 #include "harness/images/tone_map.h"
 #include "tests/harness/run_stbvh_ab.h"
+#include "tests/harness/temporary_folder.h"
 
 namespace stbvh::harness {
 namespace {
@@ -238,63 +236,48 @@ TEST(HeatMap, GetsLighterWithTheValueAndShowsItsScale) {
   EXPECT_THROW(heat_map(values, 320, 10, 0), std::invalid_argument);
 }
 
-class CompareCommand : public ::testing::Test {
+class CompareCommand : public TemporaryFolderTest {
  protected:
   void SetUp() override {
-    std::filesystem::create_directories(directory_);
-    write_exr(noisy(0), path("a.exr"));
-    write_exr(noisy(0.1f), path("b.exr"));
-    write_exr(flat(3, 3, {0, 0, 0}), path("small.exr"));
+    write_exr(noisy(0), at("a.exr"));
+    write_exr(noisy(0.1f), at("b.exr"));
+    write_exr(flat(3, 3, {0, 0, 0}), at("small.exr"));
     LayeredImage depth = flat(48, 32, {0, 0, 0});
     depth.channels = {{"depth.Z", depth.channels[0].values}};
-    write_exr(depth, path("depth.exr"));
-    write_file(path("broken.exr"), "no picture");
+    write_exr(depth, at("depth.exr"));
+    write("broken.exr", "no picture");
   }
-  void TearDown() override { std::filesystem::remove_all(directory_); }
-
-  std::string path(const std::string& name) const { return (directory_ / name).string(); }
 
   void expect_refused(const std::string& arguments, const std::string& reason) {
-    const Outcome run = stbvh_ab("compare " + arguments);
-    EXPECT_EQ(run.exit_code, 2) << run.out;
-    EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 1) << run.out;
-    EXPECT_TRUE(run.out.starts_with("stbvh-ab: ")) << run.out;
-    EXPECT_NE(run.out.find(reason), std::string::npos) << run.out;
+    expect_refusal(stbvh_ab("compare " + arguments), reason);
   }
-
-  const std::filesystem::path directory_ =
-      std::filesystem::temp_directory_path() / ("stbvh_compare_test_" + std::to_string(getpid()));
 };
 
 TEST_F(CompareCommand, WritesRecordAndPicture) {
-  const Outcome run = stbvh_ab("compare " + path("b.exr") + " " + path("a.exr") + " --png " + path("d.png") +
-                               " --json " + path("d.json"));
+  const Outcome run = stbvh_ab("compare " + at("b.exr") + " " + at("a.exr") + " --png " + at("d.png") +
+                               " --json " + at("d.json"));
   ASSERT_EQ(run.exit_code, 0) << run.out;
   EXPECT_NE(run.out.find("RMSE"), std::string::npos);
-  std::ifstream stream(path("d.json"));
-  const auto record = nlohmann::json::parse(stream).at("records").at(0);
+  const auto record = nlohmann::json::parse(read_file(at("d.json"))).at("records").at(0);
   EXPECT_EQ(record.at("kind"), "compare");
   EXPECT_NEAR(record.at("rmse").get<double>(), 0.1, 0.005);
   EXPECT_EQ(record.at("worst").size(), kWorstPixels);
   EXPECT_EQ(record.at("differing"), 48 * 32);
-  std::ifstream png(path("d.png"), std::ios::binary);
-  std::string magic(4, ' ');
-  png.read(magic.data(), 4);
-  EXPECT_EQ(magic, "\x89PNG");
+  EXPECT_TRUE(read_file(at("d.png")).starts_with("\x89PNG"));
 }
 
 TEST_F(CompareCommand, RefusesInOneLine) {
-  expect_refused(path("a.exr") + " " + path("small.exr"), "48 x 32");
-  expect_refused(path("a.exr") + " " + path("depth.exr"), "no channel R");
-  expect_refused(path("a.exr") + " " + path("none.exr"), "none.exr");
-  expect_refused(path("broken.exr") + " " + path("a.exr"), "broken.exr");
-  expect_refused(path("a.exr"), "reference");
-  expect_refused(path("a.exr") + " " + path("b.exr") + " --png /no/such/d.png", "Cannot write");
-  expect_refused(path("a.exr") + " " + path("b.exr") + " --json /no/such/d.json", "Cannot write");
+  expect_refused(at("a.exr") + " " + at("small.exr"), "48 x 32");
+  expect_refused(at("a.exr") + " " + at("depth.exr"), "no channel R");
+  expect_refused(at("a.exr") + " " + at("none.exr"), "none.exr");
+  expect_refused(at("broken.exr") + " " + at("a.exr"), "broken.exr");
+  expect_refused(at("a.exr"), "reference");
+  expect_refused(at("a.exr") + " " + at("b.exr") + " --png /no/such/d.png", "Cannot write");
+  expect_refused(at("a.exr") + " " + at("b.exr") + " --json /no/such/d.json", "Cannot write");
 }
 
 TEST_F(CompareCommand, FullDiskIsReported) {
-  const Outcome run = stbvh_ab("compare " + path("a.exr") + " " + path("b.exr") + " --png /dev/full");
+  const Outcome run = stbvh_ab("compare " + at("a.exr") + " " + at("b.exr") + " --png /dev/full");
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_NE(run.out.find("Cannot write to \"/dev/full\""), std::string::npos) << run.out;
 }

@@ -2,20 +2,17 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <vector>
 
 #include "harness/scenes/embree_xml/embree_xml.h"
+#include "tests/harness/temporary_folder.h"
 
 namespace stbvh::harness {
-
-namespace fs = std::filesystem;
 
 /// A triangle mesh of one triangle, with what else stands in its element.
 inline std::string triangle(const std::string& more = "",
@@ -24,30 +21,8 @@ inline std::string triangle(const std::string& more = "",
          "</positions><triangles>0 1 2</triangles></TriangleMesh>";
 }
 
-template <class T>
-std::string bytes_of(const std::vector<T>& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
-}
-
-/// A folder that is gone after the test.
-class EmbreeXmlTest : public testing::Test {
+class EmbreeXmlTest : public TemporaryFolderTest {
  protected:
-  EmbreeXmlTest() {
-    const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder = fs::path(testing::TempDir()) /
-             ("embree_xml_" + std::string(info->name()) + "_" + std::to_string(getpid()));
-    fs::create_directories(folder);
-  }
-  ~EmbreeXmlTest() override {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-  }
-
-  fs::path write(const std::string& name, const std::string& bytes) const {
-    std::ofstream(folder / name, std::ios::binary) << bytes;
-    return folder / name;
-  }
-
   /// A file with `content` in its <scene>.
   fs::path write_scene(const std::string& content) const {
     return write("s.xml", "<?xml version=\"1.0\"?>\n<scene>\n" + content + "\n</scene>\n");
@@ -84,7 +59,6 @@ class EmbreeXmlTest : public testing::Test {
                        [&](const std::string& w) { return w.find(word) != std::string::npos; });
   }
 
-  fs::path folder;
   std::vector<std::string> warnings;
 };
 

@@ -44,8 +44,7 @@ class EmbreeXmlTools : public EmbreeXmlTest {
             << kWidth << ' ' << kHeight << " -o " << image << " > " << folder / "log"
             << " 2>&1";
     EXPECT_EQ(std::system(command.str().c_str()), 0) << command.str();
-    std::ifstream stream(image, std::ios::binary);
-    const std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+    const std::string bytes = read_file(image);
     const std::size_t size = 3 * kWidth * kHeight;
     std::vector<int> cosines;
     if (bytes.size() < size) return cosines;
@@ -284,8 +283,7 @@ TEST_F(EmbreeXmlTools, SunsShineWhereTheyShineForEmbree) {
   const std::string command =
       "pathtracer --threads 1 -i " + file.string() + " --size 8 8 --spp 4 -o " + image.string();
   ASSERT_EQ(std::system((command + " > /dev/null 2>&1").c_str()), 0);
-  std::ifstream stream(image, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  const std::string bytes = read_file(image);
   ASSERT_GE(bytes.size(), 3 * 64u);
   const double cosine = 4 / std::sqrt(0.36 + 9 + 16);
   const double expected[] = {0.5 * 3, 0.25 * 4, 1.0 * 2};

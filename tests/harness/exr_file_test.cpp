@@ -7,32 +7,22 @@
 #include <ImfOutputFile.h>
 #include <gtest/gtest.h>
 #include <half.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <fstream>
+#include <cstring>
 #include <limits>
 
 #include "harness/files/output_file.h"
+#include "tests/harness/temporary_folder.h"
 
 namespace stbvh::harness {
 namespace {
 
-namespace fs = std::filesystem;
-
-class ExrFile : public ::testing::Test {
+class ExrFile : public TemporaryFolderTest {
  protected:
-  void SetUp() override { fs::create_directories(folder_); }
-  void TearDown() override { fs::remove_all(folder_); }
+  void write_bytes(const std::string& bytes) const { write("image.exr", bytes); }
 
-  std::string bytes_of(const fs::path& path) const {
-    std::ifstream stream(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(stream), {}};
-  }
-  void write_bytes(const std::string& bytes) const { std::ofstream(file_, std::ios::binary) << bytes; }
-
-  const fs::path folder_ = fs::temp_directory_path() / ("stbvh_exr_test_" + std::to_string(getpid()));
-  const fs::path file_ = folder_ / "image.exr";
+  const fs::path file_ = folder / "image.exr";
 };
 
 /// Values that a conversion to half, to 8 bits, or of rows and columns would change.
@@ -84,7 +74,7 @@ TEST_F(ExrFile, OfHalvesAwayFromTheOriginIsRead) {
 
 TEST_F(ExrFile, CutOffAnywhereIsRefused) {
   write_exr(example(), file_);
-  const std::string whole = bytes_of(file_);
+  const std::string whole = read_file(file_);
   for (std::size_t size = 0; size < whole.size(); ++size) {
     write_bytes(whole.substr(0, size));
     EXPECT_THROW(read_exr(file_), ImageFileError) << size << " of " << whole.size() << " bytes";
@@ -93,7 +83,7 @@ TEST_F(ExrFile, CutOffAnywhereIsRefused) {
 
 TEST_F(ExrFile, WithAnyByteWrongIsReadOrRefused) {
   write_exr(example(), file_);
-  const std::string whole = bytes_of(file_);
+  const std::string whole = read_file(file_);
   for (std::size_t at = 0; at < whole.size(); ++at) {
     for (char wrong : {'\0', '\x7f', '\xff'}) {
       std::string bytes = whole;
@@ -111,7 +101,7 @@ TEST_F(ExrFile, WithAnyByteWrongIsReadOrRefused) {
 
 TEST_F(ExrFile, RefusalsAreOneSentenceThatNamesTheFile) {
   write_bytes("this is no picture, but it is long enough to hold a header of one");
-  for (const fs::path& path : {file_, folder_ / "missing.exr", folder_}) {
+  for (const fs::path& path : {file_, folder / "missing.exr", folder}) {
     try {
       read_exr(path);
       ADD_FAILURE() << path;
@@ -126,8 +116,8 @@ TEST_F(ExrFile, RefusalsAreOneSentenceThatNamesTheFile) {
 
 TEST_F(ExrFile, IsWholeOrNotThere) {
   EXPECT_THROW(write_exr(example(), "/dev/full"), OutputFileError);
-  EXPECT_THROW(write_exr(example(), folder_ / "none" / "image.exr"), OutputFileError);
-  EXPECT_TRUE(fs::is_empty(folder_));
+  EXPECT_THROW(write_exr(example(), folder / "none" / "image.exr"), OutputFileError);
+  EXPECT_TRUE(fs::is_empty(folder));
 }
 
 TEST_F(ExrFile, OfWhatIsNoImageIsNotWritten) {
@@ -144,7 +134,7 @@ TEST_F(ExrFile, OfWhatIsNoImageIsNotWritten) {
   for (const LayeredImage& image : {LayeredImage{}, flat, short_channel, twice, nameless, reserved}) {
     EXPECT_THROW(write_exr(image, file_), std::invalid_argument);
   }
-  EXPECT_TRUE(fs::is_empty(folder_));
+  EXPECT_TRUE(fs::is_empty(folder));
 }
 
 }  // namespace

@@ -2,33 +2,25 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "harness/scenes/gltf/gltf.h"
+#include "tests/harness/temporary_folder.h"
 
 namespace stbvh::harness {
 
-namespace fs = std::filesystem;
 using nlohmann::json;
 
 inline const fs::path kData = fs::path(STBVH_SOURCE_DIR) / "data";
 inline const fs::path kAssets = fs::path(STBVH_SOURCE_DIR) / "../shared/assets";
-
-inline std::string read_file(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
 
 template <class T>
 std::vector<T> as_vector(std::string_view bytes) {
@@ -37,32 +29,7 @@ std::vector<T> as_vector(std::string_view bytes) {
   return values;
 }
 
-template <class T>
-std::string as_bytes(const std::vector<T>& values) {
-  return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T)};
-}
-
-/// A folder that is gone after the test.
-class GltfTest : public testing::Test {
- protected:
-  GltfTest() {
-    const testing::TestInfo* info = testing::UnitTest::GetInstance()->current_test_info();
-    folder =
-        fs::path(testing::TempDir()) / ("gltf_" + std::string(info->name()) + "_" + std::to_string(getpid()));
-    fs::create_directories(folder);
-  }
-  ~GltfTest() override {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-  }
-
-  fs::path write(const std::string& name, const std::string& bytes) const {
-    std::ofstream(folder / name, std::ios::binary) << bytes;
-    return folder / name;
-  }
-
-  fs::path folder;
-};
+class GltfTest : public TemporaryFolderTest {};
 
 /// The message with which a file is refused; empty if it loads. It names the file and is one line.
 inline std::string refusal(const fs::path& file, const GltfOptions& options = {}) {
@@ -87,7 +54,7 @@ inline std::string glb(const json& document, std::string binary) {
   std::string text = document.dump();
   text.resize((text.size() + 3) / 4 * 4, ' ');
   binary.resize((binary.size() + 3) / 4 * 4, '\0');
-  const auto u32 = [](std::size_t n) { return as_bytes<std::uint32_t>({static_cast<std::uint32_t>(n)}); };
+  const auto u32 = [](std::size_t n) { return bytes_of<std::uint32_t>({static_cast<std::uint32_t>(n)}); };
   return "glTF" + u32(2) + u32(28 + text.size() + binary.size()) + u32(text.size()) + "JSON" + text +
          u32(binary.size()) + std::string("BIN\0", 4) + binary;
 }
@@ -115,7 +82,7 @@ struct Document {
                                  {"normalized", normalized},
                                  {"count", values.size() / width},
                                  {"type", type}});
-    binary += as_bytes(values);
+    binary += bytes_of(values);
     root["buffers"] = {{{"byteLength", binary.size()}}};
     return static_cast<int>(root["accessors"].size()) - 1;
   }

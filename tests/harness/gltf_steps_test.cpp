@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "harness/scenes/procedural/mesh_tools.h"
+#include "harness/scenes/vec3.h"
 #include "tests/harness/gltf_files.h"
 
 namespace stbvh::harness {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "harness/scenes/procedural/mesh_tools.h"
+#include "harness/scenes/vec3.h"
 #include "tests/harness/gltf_files.h"
 
 namespace stbvh::harness {
@@ -142,7 +142,6 @@ TEST(Gltf, WhatStandsStillHasOneStep) {
 
 /// Largest share of the picture's half width or height at which a vertex of any step stands.
 double picture_reach(const Scene& scene) {
-  const auto to_double = [](const Vec3f& p) { return Vec3{p.x, p.y, p.z}; };
   const Vec3 position = to_double(scene.camera.position);
   const Vec3 forward = normalize(to_double(scene.camera.target) - position);
   const Vec3 right = normalize(cross(forward, to_double(scene.camera.up)));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "harness/scenes/procedural/mesh_tools.h"
 #include "tests/harness/picture_scenes.h"
 
 namespace stbvh::harness {

@@ -1,10 +1,8 @@
 /// OBJ files and sequences: what they mean, and how those that mean nothing are refused.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -13,33 +11,17 @@
 
 #include "harness/scenes/obj/obj_file.h"
 #include "harness/scenes/obj/obj_sequence.h"
+#include "tests/harness/temporary_folder.h"
 
 namespace stbvh::harness {
 namespace {
 
-namespace fs = std::filesystem;
 using Indices = std::vector<std::uint32_t>;
 
 constexpr std::string_view kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
-/// A folder that is gone after the test.
-class ObjTest : public testing::Test {
+class ObjTest : public TemporaryFolderTest {
  protected:
-  ObjTest() : folder(fs::path(testing::TempDir()) / ("obj_" + std::to_string(getpid()))) {
-    fs::remove_all(folder);
-    fs::create_directories(folder);
-  }
-  ~ObjTest() override {
-    std::error_code ignored;
-    fs::remove_all(folder, ignored);
-  }
-
-  fs::path write(const std::string& name, std::string_view text) const {
-    fs::create_directories((folder / name).parent_path());
-    std::ofstream(folder / name, std::ios::binary) << text;
-    return folder / name;
-  }
-
   ObjFile parse(std::string_view text) const { return read_obj_file(write("file.obj", text)); }
 
   /// A triangle at height z.
@@ -47,10 +29,6 @@ class ObjTest : public testing::Test {
     const std::string h = std::to_string(z);
     write(name, "v 0 0 " + h + "\nv 1 0 " + h + "\nv 0 1 " + h + "\nf 1 2 3\n");
   }
-
-  std::string at(const std::string& name) const { return (folder / name).string(); }
-
-  fs::path folder;
 };
 
 /// What is said; empty if nothing is wrong. One line.

@@ -3,7 +3,6 @@
 
 #include <gtest/gtest.h>
 
-#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -13,9 +12,9 @@
 namespace stbvh::harness {
 namespace {
 
-Options parse(std::initializer_list<const char*> arguments) {
+Options parse(const std::vector<std::string>& arguments) {
   std::vector<const char*> argv{"stbvh-ab"};
-  argv.insert(argv.end(), arguments);
+  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
   return parse_options(static_cast<int>(argv.size()), argv.data()).value();
 }
 
@@ -45,6 +44,25 @@ TEST(GltfOptions, StepsAreANumberOrADeviation) {
   EXPECT_EQ(parse({"bench", "--steps", "auto:1e-3"}).gltf.largest_deviation, 1e-3);
   EXPECT_EQ(parse({"bench"}).gltf.shutter_mode, ShutterMode::kClamp);
   EXPECT_EQ(parse({"bench", "--shutter-mode", "loop"}).gltf.shutter_mode, ShutterMode::kLoop);
+}
+
+TEST(SceneOptions, AreHandedOnAsTheyWereGiven) {
+  EXPECT_TRUE(parse({"report", "-o", "page", "--quick"}).scene_words.empty());
+  const Options given =
+      parse({"report", "-o", "page", "--scenes", "cloth,my.glb", "--scale", "0.5", "--seed=7", "--clip", "-1",
+             "--shutter", "0,0.5", "--shutter-mode", "loop", "--steps", "auto:1e-3"});
+  std::vector<std::string> words{"bench"};
+  words.insert(words.end(), given.scene_words.begin(), given.scene_words.end());
+  for (const Options& o : {given, parse(words)}) {
+    EXPECT_EQ(o.scenes, (std::vector<std::string>{"cloth", "my.glb"}));
+    EXPECT_EQ(o.scale, 0.5);
+    EXPECT_EQ(o.seed, 7u);
+    EXPECT_EQ(o.gltf.clip, "-1");
+    ASSERT_TRUE(o.gltf.shutter_seconds.has_value());
+    EXPECT_EQ(o.gltf.shutter_seconds->end, 0.5f);
+    EXPECT_EQ(o.gltf.shutter_mode, ShutterMode::kLoop);
+    EXPECT_EQ(o.gltf.largest_deviation, 1e-3);
+  }
 }
 
 TEST(ThreadOptions, AreAllCoresOrAListOfCounts) {

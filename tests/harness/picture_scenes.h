@@ -8,11 +8,11 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/path_tracer/frozen_times.h"
 #include "harness/path_tracer/render.h"
+#include "harness/rays/frozen_scene.h"
 #include "harness/rays/moving_triangle.h"
-#include "harness/scenes/procedural/mesh_tools.h"
 #include "harness/scenes/scene.h"
+#include "harness/scenes/vec3.h"
 #include "harness/structures/structure_under_test.h"
 
 namespace stbvh::harness {

@@ -1,4 +1,5 @@
 /// The preview's model with its threads: opening, building, cancelling, saving.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -25,6 +26,7 @@ class PreviewModelTest : public ::testing::Test {
   static Options options(double scale = 0.01) {
     Options o;
     o.scale = scale;
+    o.scene_words = {"--scale", fmt::format("{}", scale)};
     o.threads = 2;
     o.structures = {"stbvh-direct", "embree"};
     return o;

@@ -1,6 +1,5 @@
-/// The command `render`: what it writes, what it refuses, and what is left when it is stopped.
+/// The command `render`: what it writes, what it refuses, and what is left when it or `truth` is stopped.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -9,32 +8,26 @@
 
 #include "harness/images/exr_file.h"
 #include "tests/harness/run_stbvh_ab.h"
+#include "tests/harness/temporary_folder.h"
 
 namespace stbvh::harness {
 namespace {
 
-namespace fs = std::filesystem;
-
-class RenderCommand : public ::testing::Test {
+class RenderCommand : public TemporaryFolderTest {
  protected:
-  void SetUp() override { fs::create_directories(folder_); }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  std::string in_folder(const char* name) const { return (folder_ / name).string(); }
   static std::map<std::string, std::string> metadata(const fs::path& path) {
     const LayeredImage image = read_exr(path);
     return {image.metadata.begin(), image.metadata.end()};
   }
 
-  const fs::path folder_ = fs::temp_directory_path() / ("stbvh_render_test_" + std::to_string(getpid()));
   const std::string small_ = "render --scenes wheels --scale 0.01 --size 40x24 --spp 2 ";
 };
 
 TEST_F(RenderCommand, WritesLayersAndMetadata) {
-  const Outcome run = stbvh_ab(small_ + "--structures stbvh-direct --png -o " + in_folder("a.exr") +
+  const Outcome run = stbvh_ab(small_ + "--structures stbvh-direct --png -o " + at("a.exr") +
                                " --seed 7 --shutter-close 0.5 --shutter-curve triangle");
   ASSERT_EQ(run.exit_code, 0) << run.out;
-  const LayeredImage image = read_exr(folder_ / "a.exr");
+  const LayeredImage image = read_exr(folder / "a.exr");
   EXPECT_EQ(image.width, 40u);
   EXPECT_EQ(image.height, 24u);
   for (const char* name : {"R", "G", "B", "albedo.R", "normal.Z", "depth.Z", "motion.X", "motion.Y", "time.T",
@@ -42,7 +35,7 @@ TEST_F(RenderCommand, WritesLayersAndMetadata) {
     EXPECT_NE(image.find(name), nullptr) << name;
   }
   EXPECT_EQ(image.id_channels.size(), 2u);
-  auto of = metadata(folder_ / "a.exr");
+  auto of = metadata(folder / "a.exr");
   EXPECT_EQ(of["scene"], "wheels");
   EXPECT_EQ(of["structure"], "stbvh-direct");
   EXPECT_EQ(of["seed"], "7");
@@ -52,27 +45,27 @@ TEST_F(RenderCommand, WritesLayersAndMetadata) {
   EXPECT_EQ(of["shutter"], "0 to 0.5, opening 0.5, closing 0.5");
   EXPECT_GT(std::stod(of["mrays_per_s"]), 0);
   for (const char* name : {"commit", "machine", "seconds", "size"}) EXPECT_FALSE(of[name].empty()) << name;
-  EXPECT_GT(fs::file_size(folder_ / "a.png"), 100u);
+  EXPECT_GT(fs::file_size(folder / "a.png"), 100u);
 }
 
 TEST_F(RenderCommand, WritesAFileForEachSceneAndStructure) {
-  const std::string folder = in_folder("new/folder");
+  const std::string made = at("new/folder");
   const Outcome run = stbvh_ab(
-      "render --scenes wheels,cloth --scale 0.01 --size 8x8 --spp 1 --structures lbvh,embree -o " + folder);
+      "render --scenes wheels,cloth --scale 0.01 --size 8x8 --spp 1 --structures lbvh,embree -o " + made);
   ASSERT_EQ(run.exit_code, 0) << run.out;
   for (const char* name : {"wheels-lbvh", "wheels-embree", "cloth-lbvh", "cloth-embree"}) {
-    EXPECT_EQ(metadata(fs::path(folder) / (std::string(name) + ".exr"))["complete"], "yes") << name;
+    EXPECT_EQ(metadata(fs::path(made) / (std::string(name) + ".exr"))["complete"], "yes") << name;
   }
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 4);
+  EXPECT_EQ(std::distance(fs::directory_iterator(made), {}), 4);
 }
 
 TEST_F(RenderCommand, IsLitByAnEnvironment) {
   LayeredImage sky{.width = 4, .height = 2, .channels = {}, .id_channels = {}, .metadata = {}};
   for (const char* name : {"R", "G", "B"}) sky.channels.push_back({name, std::vector<float>(8, 0.25f)});
-  write_exr(sky, folder_ / "sky.exr");
-  const std::string command = small_ + "-o " + in_folder("a.exr") + " --environment ";
-  ASSERT_EQ(stbvh_ab(command + in_folder("sky.exr")).exit_code, 0);
-  const LayeredImage image = read_exr(folder_ / "a.exr");
+  write_exr(sky, folder / "sky.exr");
+  const std::string command = small_ + "-o " + at("a.exr") + " --environment ";
+  ASSERT_EQ(stbvh_ab(command + at("sky.exr")).exit_code, 0);
+  const LayeredImage image = read_exr(folder / "a.exr");
   std::size_t misses = 0;
   for (std::size_t i = 0; i < image.width * image.height; ++i) {
     if ((*image.find("albedo.G"))[i] > 0) continue;
@@ -82,11 +75,11 @@ TEST_F(RenderCommand, IsLitByAnEnvironment) {
   EXPECT_GT(misses, 0u);
 
   sky.channels[1].values[3] = -1;
-  write_exr(sky, folder_ / "negative.exr");
+  write_exr(sky, folder / "negative.exr");
   sky.channels[1].name = "Y";
-  write_exr(sky, folder_ / "gray.exr");
+  write_exr(sky, folder / "gray.exr");
   for (const char* bad : {"negative.exr", "gray.exr", "missing.exr", "."}) {
-    const Outcome run = stbvh_ab(command + in_folder(bad));
+    const Outcome run = stbvh_ab(command + at(bad));
     EXPECT_EQ(run.exit_code, 2) << run.out;
     EXPECT_NE(run.out.find("picture"), std::string::npos) << run.out;
   }
@@ -145,10 +138,10 @@ TEST_F(RenderCommand, ReportsAFullDisk) {
 
 TEST_F(RenderCommand, KeepsFinishedTilesWhenInterrupted) {
   // Minutes of work, interrupted after the first seconds.
-  const std::string file = in_folder("a.exr");
+  const std::string file = at("a.exr");
   const std::string command = "timeout --preserve-status -s INT 3 " + std::string(STBVH_AB) +
                               " render --scenes wheels --scale 0.01 --size 2000x1200 --spp 256 -o " + file +
-                              " 2>" + in_folder("log");
+                              " 2>" + at("log");
   const int status = std::system(command.c_str());
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 130);
@@ -157,7 +150,37 @@ TEST_F(RenderCommand, KeepsFinishedTilesWhenInterrupted) {
   const LayeredImage image = read_exr(file);
   for (float value : *image.find("R")) sum += static_cast<double>(value);
   EXPECT_GT(sum, 0);
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder_), {}), 2) << "a.exr and the log";
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2) << "a.exr and the log";
+}
+
+/// Runs `truth`, interrupted half a second after the shell condition `begun` holds; killed if that does
+/// nothing.
+Outcome interrupted_truth(const std::string& arguments, const std::string& log, const std::string& begun) {
+  const std::string command = "timeout -s KILL 100 " STBVH_AB " truth --scenes wheels --scale 0.01 " +
+                              arguments + " >" + log + " 2>&1 & until " + begun +
+                              "; do kill -0 $! || break; sleep 0.1; done; sleep 0.5; kill -INT $!; wait $!";
+  const int status = std::system(command.c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_file(log)};
+}
+
+TEST_F(RenderCommand, TruthStopsAtFrozenTimesWhenInterrupted) {
+  const std::string log = at("log"), out = at("out");
+  const Outcome run = interrupted_truth("--size 32x18 --frozen-times 1000000 -o " + out, log,
+                                        "grep -q triangles " + log);  // the scene is made
+  EXPECT_EQ(run.exit_code, 130) << run.out;
+  EXPECT_NE(run.out.find("stbvh-ab: Interrupted after "), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find(" of 1000000 frozen times: nothing is written."), std::string::npos) << run.out;
+  EXPECT_TRUE(fs::is_empty(out));
+}
+
+TEST_F(RenderCommand, TruthStopsAtMotionWhenInterrupted) {
+  const std::string log = at("log"), out = at("out");
+  const Outcome run = interrupted_truth("--size 200x120 --frozen-times 1 --spp 65536 -o " + out, log,
+                                        "test -e " + out + "/frozen-times.png");
+  EXPECT_EQ(run.exit_code, 130) << run.out;
+  EXPECT_NE(run.out.find(" samples per pixel: only the pictures of frozen times"), std::string::npos)
+      << run.out;
+  EXPECT_EQ(std::distance(fs::directory_iterator(out), {}), 2) << "the .exr and .png of frozen times";
 }
 
 }  // namespace

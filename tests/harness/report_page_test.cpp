@@ -1,48 +1,40 @@
 /// `stbvh-ab report` on a tiny scene, and on records made up here.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
+#include <memory>
 #include <string>
 
 #include "harness/files/output_file.h"
 #include "tests/harness/run_stbvh_ab.h"
+#include "tests/harness/temporary_folder.h"
 
 namespace stbvh::harness {
 namespace {
-
-namespace fs = std::filesystem;
-
-std::string content(const fs::path& file) {
-  std::ostringstream text;
-  text << std::ifstream(file).rdbuf();
-  return text.str();
-}
 
 bool holds(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
+/// How scenes are made: nothing to these scenes, but each command must be told.
+constexpr const char* kOfGltf = "--shutter-mode loop --steps auto:1e-3";
+
 /// One report for all tests: making it takes seconds.
 class ReportPage : public ::testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    fs::create_directories(root());
-    made() = stbvh_ab("report --quick --scenes wheels,cloth --scale 0.01 --structures embree,lbvh,stbvh -o " +
-                      path("page"));
-  }
-  static void TearDownTestSuite() { fs::remove_all(root()); }
+  static void SetUpTestSuite() { folder() = std::make_unique<TemporaryFolder>(); }
+  static void TearDownTestSuite() { folder().reset(); }
 
-  static fs::path root() {
-    return fs::temp_directory_path() / ("stbvh_report_page_test_" + std::to_string(getpid()));
+  static std::unique_ptr<TemporaryFolder>& folder() {
+    static std::unique_ptr<TemporaryFolder> of_all;
+    return of_all;
   }
-  static std::string path(const std::string& name) { return (root() / name).string(); }
-  static Outcome& made() {
-    static Outcome outcome{-1, ""};
+  static std::string path(const std::string& name) { return (folder()->path() / name).string(); }
+  static const Outcome& made() {
+    static const Outcome outcome =
+        stbvh_ab("report --quick --scenes wheels,cloth --scale 0.01 " + std::string(kOfGltf) +
+                 " --structures embree,lbvh,stbvh -o " + path("page"));
     return outcome;
   }
 
@@ -52,15 +44,11 @@ class ReportPage : public ::testing::Test {
     const std::string command = "/usr/bin/python3 -B " STBVH_SOURCE_DIR "/tests/harness/check_page.py " +
                                 folder + " " + words + " > " + list + " 2>&1";
     const int status = std::system(command.c_str());
-    return content(list) + (status == 0 ? "" : "failed");
+    return read_file(list) + (status == 0 ? "" : "failed");
   }
 
   static void expect_refused(const std::string& arguments, const std::string& reason) {
-    const Outcome run = stbvh_ab("report " + arguments);
-    EXPECT_EQ(run.exit_code, 2) << run.out;
-    EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 1) << run.out;
-    EXPECT_TRUE(run.out.starts_with("stbvh-ab: ")) << run.out;
-    EXPECT_TRUE(holds(run.out, reason)) << run.out;
+    expect_refusal(stbvh_ab("report " + arguments), reason);
   }
 };
 
@@ -71,7 +59,17 @@ TEST_F(ReportPage, NeedsNothingElseAndHoldsEveryPart) {
                      "embree lbvh stbvh wheels cloth closed-2k-8 Summary 'Hard cases' 'Speed against error' "
                      "Renderings 'Frozen times' 'stbvh-ab bench' 'stbvh-ab truth' RMSE"),
             "");
-  EXPECT_TRUE(holds(content(path("page/index.html")), "<svg"));
+  EXPECT_TRUE(holds(read_file(path("page/index.html")), "<svg"));
+}
+
+TEST_F(ReportPage, HandsOnHowScenesAreMade) {
+  for (const std::string command : {"bench", "error", "render"}) {
+    const std::string log = made().out;
+    const std::size_t begin = log.find("-- stbvh-ab " + command + " ");
+    ASSERT_NE(begin, std::string::npos) << command << "\n" << log;
+    const std::string line = log.substr(begin, log.find('\n', begin) - begin);
+    EXPECT_TRUE(holds(line, kOfGltf)) << line;
+  }
 }
 
 TEST_F(ReportPage, IsMadeAnewWithoutMeasuring) {
@@ -79,8 +77,8 @@ TEST_F(ReportPage, IsMadeAnewWithoutMeasuring) {
   const Outcome again = stbvh_ab("report --from " + path("page") + " -o " + path("again"));
   EXPECT_EQ(again.exit_code, 0) << again.out;
   EXPECT_FALSE(holds(again.out, "-- stbvh-ab")) << again.out;
-  EXPECT_EQ(content(path("again/index.html")), content(path("page/index.html")));
-  EXPECT_EQ(content(path("again/report.md")), content(path("page/report.md")));
+  EXPECT_EQ(read_file(path("again/index.html")), read_file(path("page/index.html")));
+  EXPECT_EQ(read_file(path("again/report.md")), read_file(path("page/report.md")));
 }
 
 TEST_F(ReportPage, SaysThatThereAreNoChartsWithoutMatplotlib) {
@@ -91,7 +89,7 @@ TEST_F(ReportPage, SaysThatThereAreNoChartsWithoutMatplotlib) {
   const Outcome run = stbvh_ab("report --from " + path("page") + " -o " + path("plain"));
   unsetenv("PYTHONPATH");
   EXPECT_EQ(run.exit_code, 0) << run.out;
-  const std::string page = content(path("plain/index.html"));
+  const std::string page = read_file(path("plain/index.html"));
   EXPECT_TRUE(holds(page, "no charts on this page"));
   EXPECT_FALSE(holds(page, "<svg"));
   EXPECT_EQ(problems(path("plain"), "embree stbvh wheels"), "");

@@ -1,16 +1,14 @@
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "harness/files/output_file.h"
 #include "harness/report/json.h"
 #include "harness/report/read_records.h"
 #include "harness/report/table.h"
+#include "tests/harness/temporary_folder.h"
 
 namespace stbvh::harness {
 namespace {
@@ -74,63 +72,49 @@ TEST(Json, NamesThatAreNotUtf8StayReadable) {
   EXPECT_TRUE(nlohmann::json::accept(to_json(report, Machine{}, "")));
 }
 
-class OutputFile : public ::testing::Test {
- protected:
-  void SetUp() override { std::filesystem::create_directories(directory_); }
-  void TearDown() override { std::filesystem::remove_all(directory_); }
-
-  static std::string content(const std::filesystem::path& path) {
-    std::ostringstream text;
-    text << std::ifstream(path).rdbuf();
-    return text.str();
-  }
-
-  const std::filesystem::path directory_ =
-      std::filesystem::temp_directory_path() / ("stbvh_report_test_" + std::to_string(getpid()));
-};
+class OutputFile : public TemporaryFolderTest {};
 
 TEST_F(OutputFile, AppearsWhole) {
-  const auto path = directory_ / "a.json";
+  const auto path = folder / "a.json";
   check_writable(path);
-  EXPECT_FALSE(std::filesystem::exists(path));
+  EXPECT_FALSE(fs::exists(path));
   write_file(path, "one");
   write_file(path, "two");
-  EXPECT_EQ(content(path), "two");
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory_), {}), 1);
+  EXPECT_EQ(read_file(path), "two");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
 }
 
 TEST_F(OutputFile, LinksStayLinks) {
-  write_file(directory_ / "a.json", "one");
-  std::filesystem::create_symlink(directory_ / "a.json", directory_ / "link");
-  check_writable(directory_ / "link");
-  write_file(directory_ / "link", "two");
-  EXPECT_TRUE(std::filesystem::is_symlink(directory_ / "link"));
-  EXPECT_EQ(content(directory_ / "a.json"), "two");
+  write_file(folder / "a.json", "one");
+  fs::create_symlink(folder / "a.json", folder / "link");
+  check_writable(folder / "link");
+  write_file(folder / "link", "two");
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(read_file(folder / "a.json"), "two");
 }
 
 TEST_F(OutputFile, FilesThatNeedEachOtherAppearTogether) {
-  const auto a = directory_ / "a.xml", b = directory_ / "b.bin";
+  const auto a = folder / "a.xml", b = folder / "b.bin";
   const std::vector<FileContent> both{{a, {"one ", "", "two"}}, {b, {}}};
   write_files(both);
-  EXPECT_EQ(content(a), "one two");
-  EXPECT_EQ(std::filesystem::file_size(b), 0u);
-  for (const std::filesystem::path& bad :
-       {directory_ / "none" / "b.bin", std::filesystem::path("/dev/full")}) {
+  EXPECT_EQ(read_file(a), "one two");
+  EXPECT_EQ(fs::file_size(b), 0u);
+  for (const fs::path& bad : {folder / "none" / "b.bin", fs::path("/dev/full")}) {
     const std::vector<FileContent> one_fails{{a, {"new"}}, {bad, {"x"}}};
     EXPECT_THROW(write_files(one_fails), OutputFileError);
-    EXPECT_EQ(content(a), "one two");
+    EXPECT_EQ(read_file(a), "one two");
   }
-  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory_), {}), 2);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2);
 }
 
 TEST_F(OutputFile, UnwritablePlacesAreRefused) {
-  EXPECT_THROW(check_writable(directory_ / "none" / "a.json"), OutputFileError);
-  EXPECT_THROW(check_writable(directory_), OutputFileError);
-  EXPECT_THROW(check_writable(directory_ / ""), OutputFileError);
-  EXPECT_THROW(write_file(directory_ / "none" / "a.json", "x"), OutputFileError);
+  EXPECT_THROW(check_writable(folder / "none" / "a.json"), OutputFileError);
+  EXPECT_THROW(check_writable(folder), OutputFileError);
+  EXPECT_THROW(check_writable(folder / ""), OutputFileError);
+  EXPECT_THROW(write_file(folder / "none" / "a.json", "x"), OutputFileError);
   EXPECT_THROW(write_file("/dev/full", "x"), OutputFileError);
   EXPECT_NO_THROW(write_file("/dev/null", "x"));
-  EXPECT_FALSE(std::filesystem::is_regular_file("/dev/null"));
+  EXPECT_FALSE(fs::is_regular_file("/dev/null"));
 }
 
 TEST(Spread, MedianOfOddAndEvenCounts) {
@@ -216,14 +200,14 @@ TEST(Json, SpeedsAndHardCasesComeBack) {
   hard.within_rounding = 7;
   hard.t_error_rel_p99 = std::numeric_limits<double>::infinity();  // null in JSON
   report.hards = {hard, HardResult{}};
-  const std::filesystem::path file =
-      std::filesystem::temp_directory_path() / ("stbvh_read_records_" + std::to_string(getpid()) + ".json");
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "records.json";
   write_file(file, to_json(report, Machine{}, "abc", "stbvh-ab bench"));
   const Report back = read_speeds_and_hards(file);
   EXPECT_NO_THROW(check_records(file));
   write_file(file, R"({"machine": {}, "commit": "", "records": [{"kind": "speed"}]})");
   EXPECT_THROW(read_speeds_and_hards(file), RecordFileError);
-  std::filesystem::remove(file);
+  fs::remove(file);
   EXPECT_THROW(check_records(file), RecordFileError);
   ASSERT_EQ(back.speeds.size(), 1u);
   EXPECT_EQ(back.speeds[0].ratios_to_embree, report.speeds[0].ratios_to_embree);

@@ -8,8 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include "harness/scenes/procedural/mesh_tools.h"
+#include "harness/scenes/pcg32.h"
 #include "harness/scenes/scene.h"
+#include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {
 

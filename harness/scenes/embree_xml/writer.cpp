@@ -7,9 +7,11 @@
 #include <map>
 #include <numbers>
 #include <span>
+#include <utility>
 
+#include "harness/scenes/default_sun.h"
 #include "harness/scenes/embree_xml/disc_light.h"
-#include "harness/scenes/procedural/mesh_tools.h"
+#include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {
 namespace embree_xml {
@@ -17,13 +19,9 @@ namespace {
 
 /// Bytes of positions and indices up to which they stand in the text, for people to read.
 constexpr std::size_t kMostTextBytes = 4096;
-/// The sun and the sky of a scene without light: nearly what `stbvh-ab picture` shows it under.
+/// The sun and the sky of a scene without light: nearly what `stbvh-ab render` shows it under.
 constexpr Vec3f kSunIrradiance{5.2f, 4.9f, 4.2f};
 constexpr Vec3f kSkyRadiance{0.45f, 0.50f, 0.58f};
-
-Vec3 to_double(Vec3f v) {
-  return {static_cast<double>(v.x), static_cast<double>(v.y), static_cast<double>(v.z)};
-}
 
 std::string words(Vec3f v) {
   return fmt::format("{} {} {}", v.x, v.y, v.z);
@@ -48,12 +46,8 @@ bool has_light(const Scene& scene) {
                      [](const Mesh& mesh) { return !is_black(mesh.material.emission); });
 }
 
-/// High behind the camera, to its left, so that what it looks at is lit and casts shadows.
 DirectionalLight default_sun(const Camera& camera) {
-  const Vec3 up = normalize(to_double(camera.up));
-  const Vec3 right = normalize(cross(to_double(camera.target) - to_double(camera.position), up));
-  const Vec3 from = up - right * 0.62 + cross(right, up) * 0.45;
-  return {.direction = to_float(normalize(from) * -1.0), .irradiance = kSunIrradiance};
+  return {.direction = to_float(-normalize(to_default_sun(camera))), .irradiance = kSunIrradiance};
 }
 
 /// The mean over all directions.

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "harness/scenes/procedural/mesh_tools.h"
+#include "harness/scenes/vec3.h"
 
 namespace stbvh::harness::gltf {
 namespace {
@@ -31,7 +31,7 @@ void for_each_vertex(const Scene& scene, Visit&& visit) {
   for (const Mesh& mesh : scene.meshes) {
     for (const VertexBuffer& step : mesh.steps) {
       for (const Vec3f& p : step.span()) {
-        if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) visit(Vec3{p.x, p.y, p.z});
+        if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) visit(to_double(p));
       }
     }
   }

@@ -13,10 +13,6 @@ constexpr std::size_t kFewestQuads = 4000;
 /// Each takes the distance to the body down to about a third.
 constexpr int kFitIterations = 4;
 
-Vec3 to_double(const Vec3f& p) {
-  return {p.x, p.y, p.z};
-}
-
 /// Faces without positions.
 SubdivisionCage quads_of(const Shape& shape) {
   SubdivisionCage cage;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace stbvh::harness {
 namespace {
@@ -38,11 +39,6 @@ Vec3 tangent_at(const std::vector<TubeSection>& sections, std::size_t i) {
 }
 
 }  // namespace
-
-Vec3 perpendicular(Vec3 a) {
-  const Vec3 helper = std::abs(a.x) < 0.7 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
-  return normalize(cross(a, helper));
-}
 
 Quat axis_angle(Vec3 axis, double radians) {
   const Vec3 n = normalize(axis) * std::sin(radians / 2);
@@ -86,20 +82,6 @@ Rigid inverse(const Rigid& a) {
 
 Rigid rotation_about(Vec3 pivot, Vec3 axis, double radians) {
   return translation(pivot) * rotation(axis, radians) * translation(-pivot);
-}
-
-Pcg32::Pcg32(std::uint64_t seed, std::uint64_t stream) : increment_((stream << 1) | 1) {
-  next();
-  state_ += seed;
-  next();
-}
-
-std::uint32_t Pcg32::next() {
-  const std::uint64_t old = state_;
-  state_ = old * 6364136223846793005u + increment_;
-  const auto shifted = static_cast<std::uint32_t>(((old >> 18) ^ old) >> 27);
-  const auto turn = static_cast<std::uint32_t>(old >> 59);
-  return (shifted >> turn) | (shifted << ((32 - turn) & 31));
 }
 
 std::size_t Shape::append(const Shape& other) {

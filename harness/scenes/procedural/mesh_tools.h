@@ -1,4 +1,4 @@
-/// Vectors, rotations, random numbers and surfaces from which the procedural scenes are made.
+/// Rotations and surfaces from which the procedural scenes are made.
 ///
 /// Scenes are worked out in double precision and stored as float, so that a scene is the same whatever the
 /// compiler contracts or the number of threads is.
@@ -7,70 +7,18 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "harness/scenes/pcg32.h"
 #include "harness/scenes/scene.h"
+#include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {
-
-inline constexpr double kPi = std::numbers::pi;
-
-struct Vec3 {
-  double x = 0, y = 0, z = 0;
-};
-
-inline Vec3 operator+(Vec3 a, Vec3 b) {
-  return {a.x + b.x, a.y + b.y, a.z + b.z};
-}
-inline Vec3 operator-(Vec3 a, Vec3 b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-inline Vec3 operator-(Vec3 a) {
-  return {-a.x, -a.y, -a.z};
-}
-inline Vec3 operator*(Vec3 a, double s) {
-  return {a.x * s, a.y * s, a.z * s};
-}
-inline Vec3 operator*(double s, Vec3 a) {
-  return a * s;
-}
-inline double dot(Vec3 a, Vec3 b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-inline Vec3 cross(Vec3 a, Vec3 b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-inline double length(Vec3 a) {
-  return std::sqrt(dot(a, a));
-}
-/// Unit vector along `a`; the x axis for the zero vector.
-inline Vec3 normalize(Vec3 a) {
-  const double l = length(a);
-  return l > 0 ? a * (1 / l) : Vec3{1, 0, 0};
-}
-inline double lerp(double a, double b, double f) {
-  return a + (b - a) * f;
-}
-inline Vec3 lerp(Vec3 a, Vec3 b, double f) {
-  return a + (b - a) * f;
-}
-/// 0 below `a`, 1 above `b`, a cubic in between.
-inline double smoothstep(double a, double b, double x) {
-  const double f = std::fmin(1.0, std::fmax(0.0, (x - a) / (b - a)));
-  return f * f * (3 - 2 * f);
-}
-inline Vec3f to_float(Vec3 a) {
-  return {static_cast<float>(a.x), static_cast<float>(a.y), static_cast<float>(a.z)};
-}
-/// Some unit vector at right angles to the unit vector `a`.
-Vec3 perpendicular(Vec3 a);
 
 /// Unit quaternion.
 struct Quat {
@@ -103,20 +51,6 @@ inline Rigid rotation(Vec3 axis, double radians) {
 }
 /// Rotation about an axis through `pivot`.
 Rigid rotation_about(Vec3 pivot, Vec3 axis, double radians);
-
-/// PCG-XSH-RR 64/32 (O'Neill 2014): small, and the same on every machine, unlike std distributions.
-class Pcg32 {
- public:
-  explicit Pcg32(std::uint64_t seed, std::uint64_t stream = 0);
-  std::uint32_t next();
-  /// In [0, 1).
-  double uniform() { return next() * 0x1p-32; }
-  double uniform(double a, double b) { return a + (b - a) * uniform(); }
-
- private:
-  std::uint64_t state_ = 0;
-  std::uint64_t increment_;
-};
 
 /// A rest shape: positions, and triangles that share them.
 struct Shape {

@@ -27,6 +27,11 @@
  *   - Index and vertex buffers belong to the application. They must stay alive and unchanged from
  *     stbvhCommitGeometry until the next stbvhCommitGeometry begins or the last reference is released.
  *
+ * Versions. Structs begin with their size, so that a library runs with programs that were compiled with an
+ * older header of the same soname: members that the older header does not have keep their defaults, and are
+ * not written. A struct larger than the library's own is refused. Later versions append members, and change
+ * none.
+ *
  * Threads. Queries run on any number of threads at once. Retain and release are atomic. All other functions
  * on one handle are for one thread at a time, and, like the last release, not while a scene that holds the
  * geometry is queried or committed. Different handles are independent.

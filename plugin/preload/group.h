@@ -1,0 +1,70 @@
+/// Moving meshes of a scene in one structure, behind one user geometry.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "plugin/preload/linear_scene_bounds.h"
+#include "plugin/preload/tracked_device.h"
+#include "plugin/preload/tracked_geometry.h"
+#include "plugin/published.h"
+
+namespace stbvh::preload {
+
+/// A mesh under the ID at which the application attached it.
+struct Member {
+  unsigned geom_id;
+  std::shared_ptr<TrackedGeometry> mesh;
+  std::uint64_t version;  ///< of the mesh when it was looked at
+};
+
+struct GroupSettings {
+  BuildSettings build;
+  bool runs_context_filters = false;
+
+  bool operator==(const GroupSettings& other) const {
+    return build.inline_share == other.build.inline_share && build.precision == other.build.precision &&
+           runs_context_filters == other.runs_context_filters;
+  }
+};
+
+class Group {
+ public:
+  /// Throws std::bad_alloc if Embree gives no geometry.
+  explicit Group(std::shared_ptr<TrackedDevice> device);
+  /// The user geometry may outlive it, and hits nothing then.
+  ~Group();
+  Group(const Group&) = delete;
+  Group& operator=(const Group&) = delete;
+
+  /// The user geometry to attach.
+  RTCGeometry proxy() const { return proxy_; }
+
+  /// Builds anew, after the old structure is freed, and commits the user geometry. `progress` is given the
+  /// fraction done and returns false to cancel. On an exception (BuildCancelled, std::bad_alloc,
+  /// std::length_error, InvalidMesh, ApiError) the group is empty.
+  void build(std::vector<Member> members, const GroupSettings& settings,
+             const std::function<bool(double)>& progress);
+
+  /// Hits nothing from now on.
+  void clear();
+
+  /// Whether build() with these would do again what the last one did.
+  bool is_built_of(const std::vector<Member>& members, const GroupSettings& settings) const;
+
+  /// Of the structure; it must not be empty.
+  const BuildStatistics& statistics() const { return published_->structure->statistics(); }
+
+ private:
+  BuildCallbacks callbacks(const std::function<bool(double)>& progress, bool& refused) const;
+  void publish(const plugin::Published& published);
+
+  std::shared_ptr<TrackedDevice> device_;
+  RTCGeometry proxy_;
+  std::vector<Member> members_;
+  GroupSettings settings_;
+  std::unique_ptr<plugin::Published> published_;
+};
+
+}  // namespace stbvh::preload

@@ -1,0 +1,36 @@
+/// The device's functions that the application reaches here first.
+#include "plugin/preload/environment.h"
+#include "plugin/preload/real_embree.h"
+#include "plugin/preload/statistics.h"
+#include "plugin/preload/tracked_device.h"
+
+using stbvh::preload::find_device;
+using stbvh::preload::real;
+
+extern "C" {
+
+RTCDevice rtcNewDevice(const char* config) {
+  const RTCDevice device = real().rtcNewDevice(config);
+  if (device == nullptr || !stbvh::preload::environment().enabled) return device;
+  stbvh::preload::track_device(device, config);
+  stbvh::preload::report_statistics_at_exit();
+  return device;
+}
+
+RTCError rtcGetDeviceError(RTCDevice device) {
+  const RTCError own = stbvh::preload::take_pending_error(device);
+  return own != RTC_ERROR_NONE ? own : real().rtcGetDeviceError(device);
+}
+
+void rtcSetDeviceErrorFunction(RTCDevice device, RTCErrorFunction function, void* user_ptr) {
+  const auto tracked = find_device(device);
+  if (tracked == nullptr) return real().rtcSetDeviceErrorFunction(device, function, user_ptr);
+  tracked->set_error_function(function, user_ptr);
+}
+
+void rtcSetDeviceMemoryMonitorFunction(RTCDevice device, RTCMemoryMonitorFunction function, void* user_ptr) {
+  real().rtcSetDeviceMemoryMonitorFunction(device, function, user_ptr);
+  if (const auto tracked = find_device(device)) tracked->set_memory_monitor(function, user_ptr);
+}
+
+}  // extern "C"

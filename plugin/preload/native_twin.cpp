@@ -1,0 +1,148 @@
+#include "plugin/preload/native_twin.h"
+
+#include <tbb/task_arena.h>
+
+#include <atomic>
+
+#include "plugin/preload/real_embree.h"
+#include "plugin/preload/statistics.h"
+#include "plugin/preload/tracked_scene.h"
+
+namespace stbvh::preload {
+namespace {
+
+std::atomic<std::uint64_t> scenes_epoch{1};
+
+bool contains_groups(const TrackedScene& scene) {
+  if (scene.has_group()) return true;
+  for (const auto& [geom_id, attachment] : scene.attachments()) {
+    const TrackedGeometry* const geometry = attachment.geometry.get();
+    if (geometry != nullptr && geometry->instanced != nullptr && contains_groups(*geometry->instanced)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+void share_buffer(RTCGeometry copy, RTCBufferType type, unsigned slot, RTCFormat format,
+                  const BoundBuffer& buffer) {
+  real().rtcSetSharedGeometryBuffer(copy, type, slot, format, buffer.data, 0, buffer.stride, buffer.count);
+}
+
+void set_times(RTCGeometry copy, const TrackedGeometry& geometry) {
+  real().rtcSetGeometryTimeStepCount(copy, geometry.step_count);
+  if (geometry.step_count > 1) {
+    real().rtcSetGeometryTimeRange(copy, geometry.time_range.begin, geometry.time_range.end);
+  }
+}
+
+RTCGeometry copy_of_mesh(const TrackedGeometry& mesh) {
+  const RTCGeometry copy = real().rtcNewGeometry(mesh.device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  set_times(copy, mesh);
+  share_buffer(copy, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices);
+  for (unsigned step = 0; step < mesh.step_count; ++step) {
+    share_buffer(copy, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT3, mesh.vertices[step]);
+  }
+  real().rtcSetGeometryMask(copy, mesh.mask);
+  return copy;
+}
+
+RTCGeometry copy_of_instance(const TrackedGeometry& instance) {
+  const RTCGeometry copy = real().rtcNewGeometry(instance.device, RTC_GEOMETRY_TYPE_INSTANCE);
+  real().rtcSetGeometryInstancedScene(copy, instance.instanced->twin().scene_to_ask(*instance.instanced));
+  set_times(copy, instance);
+  for (unsigned step = 0; step < instance.transforms.size() && step < instance.step_count; ++step) {
+    const InstanceTransform& transform = instance.transforms[step];
+    switch (transform.kind) {
+      case InstanceTransform::Kind::kNone:
+        break;
+      case InstanceTransform::Kind::kMatrix:
+        real().rtcSetGeometryTransform(copy, step, transform.format, transform.matrix.data());
+        break;
+      case InstanceTransform::Kind::kQuaternion:
+        real().rtcSetGeometryTransformQuaternion(copy, step, &transform.quaternion);
+        break;
+    }
+  }
+  real().rtcSetGeometryMask(copy, instance.mask);
+  return copy;
+}
+
+/// A new reference to what stands for the attachment in the twin.
+RTCGeometry stand_in(const Attachment& attachment) {
+  TrackedGeometry* const geometry = attachment.geometry.get();
+  RTCGeometry copy = nullptr;
+  if (geometry != nullptr && geometry->is_taken_over()) {
+    copy = copy_of_mesh(*geometry);
+  } else if (geometry != nullptr && geometry->instanced != nullptr && geometry->enabled &&
+             contains_groups(*geometry->instanced)) {
+    copy = copy_of_instance(*geometry);
+  } else {
+    real().rtcRetainGeometry(attachment.handle);
+    return attachment.handle;
+  }
+  real().rtcSetGeometryUserData(copy, real().rtcGetGeometryUserData(attachment.handle));
+  real().rtcSetGeometryPointQueryFunction(copy, geometry->point_query);
+  real().rtcCommitGeometry(copy);
+  return copy;
+}
+
+}  // namespace
+
+NativeTwin::~NativeTwin() {
+  if (twin_ != nullptr) real().rtcReleaseScene(twin_);
+}
+
+void NativeTwin::collect_origin(const TrackedScene& scene, Origin& origin) {
+  origin.emplace_back(&scene, scene.commits());
+  for (const auto& [geom_id, attachment] : scene.attachments()) {
+    const TrackedGeometry* const geometry = attachment.geometry.get();
+    if (geometry != nullptr && geometry->instanced != nullptr) collect_origin(*geometry->instanced, origin);
+  }
+}
+
+RTCScene NativeTwin::make(TrackedScene& scene) {
+  const RTCScene twin = real().rtcNewScene(scene.device()->handle());
+  real().rtcSetSceneFlags(twin, real().rtcGetSceneFlags(scene.handle()));
+  for (const auto& [geom_id, attachment] : scene.attachments()) {
+    const RTCGeometry geometry = stand_in(attachment);
+    real().rtcAttachGeometryByID(twin, geometry, geom_id);
+    real().rtcReleaseGeometry(geometry);
+  }
+  real().rtcCommitScene(twin);
+  count_native_twin();
+  return twin;
+}
+
+RTCScene NativeTwin::scene_to_ask(TrackedScene& scene) {
+  if (!contains_groups(scene)) return scene.handle();
+  const std::lock_guard lock(mutex_);
+  Origin origin;
+  collect_origin(scene, origin);
+  if (twin_ != nullptr && origin == origin_) return twin_;
+  if (twin_ != nullptr) real().rtcReleaseScene(twin_);
+  // Isolated: a thread that waits for its build must not pick up a query that waits for this lock.
+  twin_ = tbb::this_task_arena::isolate([&] { return make(scene); });
+  origin_ = std::move(origin);
+  return twin_;
+}
+
+RTCScene scene_to_ask(RTCScene scene) {
+  struct Answer {
+    RTCScene scene = nullptr;
+    std::uint64_t epoch = 0;
+    RTCScene to_ask = nullptr;
+  };
+  thread_local Answer last;
+  const std::uint64_t epoch = scenes_epoch.load(std::memory_order_acquire);
+  if (last.scene == scene && last.epoch == epoch) return last.to_ask;
+  const auto tracked = scenes().find(scene);
+  last = {scene, epoch, tracked == nullptr ? scene : tracked->twin().scene_to_ask(*tracked)};
+  return last.to_ask;
+}
+
+void scenes_changed() {
+  scenes_epoch.fetch_add(1, std::memory_order_release);
+}
+
+}  // namespace stbvh::preload

@@ -1,0 +1,27 @@
+/// Setters: first Embree's, then, if that took it, our record of it.
+#pragma once
+
+#include "plugin/preload/tracked_device.h"
+#include "plugin/preload/tracked_geometry.h"
+
+namespace stbvh::preload {
+
+/// Calls `native`, which sets something of `geometry`, and `record` with what we know of that.
+template <typename Native, typename Record>
+void set_and_record(RTCGeometry geometry, Native&& native, Record&& record) {
+  const ErrorWatch watch;
+  native();
+  if (watch.failed()) return;
+  const auto tracked = geometries().find(geometry);
+  if (tracked == nullptr) return;
+  record(*tracked);
+  tracked->modified();
+}
+
+/// For what we need not know in detail.
+template <typename Native>
+void set_and_note(RTCGeometry geometry, Native&& native) {
+  set_and_record(geometry, native, [](TrackedGeometry&) {});
+}
+
+}  // namespace stbvh::preload

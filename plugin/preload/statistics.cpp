@@ -1,0 +1,152 @@
+#include "plugin/preload/statistics.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "plugin/preload/environment.h"
+
+namespace stbvh::preload {
+namespace {
+
+struct Totals {
+  std::array<std::size_t, kStaysNativeCount> meshes{};  ///< by StaysNative; kNone: taken over
+  std::size_t triangles = 0, invalid_triangles = 0, segments = 0;
+  std::size_t builds = 0, failed_builds = 0, native_twins = 0;
+  double build_seconds = 0;
+  std::ptrdiff_t bytes = 0, peak_bytes = 0;
+};
+
+/// A thread's own counter: nobody else writes it, so it needs no atomic addition.
+using RayCounter = std::atomic<std::uint64_t>;
+
+struct Statistics {
+  std::mutex mutex;
+  Totals totals;
+  std::vector<RayCounter*> rays;  ///< by thread; never freed
+};
+
+Statistics& statistics() {
+  static auto* const kStatistics = new Statistics;  // outlives what runs at exit
+  return *kStatistics;
+}
+
+RayCounter& new_ray_counter() {
+  auto* const counter = new RayCounter{0};
+  const std::lock_guard lock(statistics().mutex);
+  statistics().rays.push_back(counter);
+  return *counter;
+}
+
+template <typename Change>
+void change_totals(Change&& change) {
+  if (!counts_statistics()) return;
+  const std::lock_guard lock(statistics().mutex);
+  change(statistics().totals);
+}
+
+nlohmann::ordered_json to_json(const Totals& totals, std::uint64_t rays) {
+  nlohmann::ordered_json left = nlohmann::ordered_json::object();
+  for (std::size_t reason = 1; reason < kStaysNativeCount; ++reason) {
+    if (totals.meshes[reason] > 0) left[describe(static_cast<StaysNative>(reason))] = totals.meshes[reason];
+  }
+  return {{"meshes_taken_over", totals.meshes[0]},
+          {"triangles", totals.triangles},
+          {"invalid_triangles", totals.invalid_triangles},
+          {"segments", totals.segments},
+          {"rays", rays},
+          {"builds", totals.builds},
+          {"failed_builds", totals.failed_builds},
+          {"build_seconds", totals.build_seconds},
+          {"bytes", totals.bytes},
+          {"peak_bytes", totals.peak_bytes},
+          {"native_twins", totals.native_twins},
+          {"meshes_left_native", left}};
+}
+
+/// Whole or not at all.
+bool write_file(const std::string& path, const std::string& text) {
+  const std::string temporary = path + "." + std::to_string(getpid());
+  std::ofstream file(temporary);
+  file << text << '\n';
+  file.close();
+  if (file && std::rename(temporary.c_str(), path.c_str()) == 0) return true;
+  std::remove(temporary.c_str());
+  return false;
+}
+
+/// At the end of a process that used Embree; others, such as a shell that starts it, say nothing.
+void report() {
+  const std::lock_guard lock(statistics().mutex);
+  std::uint64_t rays = 0;
+  for (const RayCounter* const counter : statistics().rays) rays += counter->load(std::memory_order_relaxed);
+  const std::string text = to_json(statistics().totals, rays).dump(2);
+  const std::string& path = *environment().statistics;
+  if (path.empty()) {
+    std::fprintf(stderr, "libstbvh_preload: %s\n", text.c_str());
+  } else if (!write_file(path, text)) {
+    std::fprintf(stderr, "libstbvh_preload: the statistics cannot be written to %s\n", path.c_str());
+  }
+}
+
+}  // namespace
+
+bool counts_statistics() {
+  static const bool kCounts = environment().enabled && environment().statistics.has_value();
+  return kCounts;
+}
+
+void report_statistics_at_exit() {
+  if (!counts_statistics()) return;
+  static const bool kRegistered = std::atexit(report) == 0;
+  static_cast<void>(kRegistered);
+}
+
+void count_mesh(TrackedGeometry& mesh, StaysNative reason) {
+  change_totals([&](Totals& totals) {
+    const unsigned bit = 1u << static_cast<unsigned>(reason);
+    if ((mesh.counted & bit) == 0) ++totals.meshes[static_cast<std::size_t>(reason)];
+    mesh.counted |= bit;
+  });
+}
+
+void count_build(const BuildStatistics& built, double seconds) {
+  change_totals([&](Totals& totals) {
+    ++totals.builds;
+    totals.build_seconds += seconds;
+    totals.triangles += built.triangles;
+    totals.invalid_triangles += built.invalid_triangles;
+    totals.segments += built.primitive_segments;
+  });
+}
+
+void count_failed_build() {
+  change_totals([](Totals& totals) { ++totals.failed_builds; });
+}
+
+void count_bytes(std::ptrdiff_t bytes) {
+  change_totals([&](Totals& totals) {
+    totals.bytes += bytes;
+    totals.peak_bytes = std::max(totals.peak_bytes, totals.bytes);
+  });
+}
+
+void count_native_twin() {
+  change_totals([](Totals& totals) { ++totals.native_twins; });
+}
+
+void count_rays(unsigned count) {
+  thread_local RayCounter& counter = new_ray_counter();
+  counter.store(counter.load(std::memory_order_relaxed) + count, std::memory_order_relaxed);
+}
+
+}  // namespace stbvh::preload

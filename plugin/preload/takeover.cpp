@@ -1,0 +1,183 @@
+/// Commits: what is taken over, and when Embree has anything to do.
+#include <cstdio>
+#include <new>
+#include <stdexcept>
+
+#include "plugin/preload/environment.h"
+#include "plugin/preload/real_embree.h"
+#include "plugin/preload/statistics.h"
+#include "plugin/preload/tracked_scene.h"
+
+namespace stbvh::preload {
+namespace {
+
+/// Of the vertices in leaves: docs/results.md, stbvh-compact.
+constexpr float kCompactInlineShare = 0.25f;
+
+bool refuse(void*, double) {
+  return false;
+}
+
+/// A commit that failed, as the application will hear of it.
+struct CommitError : std::runtime_error {
+  CommitError(RTCError error, const char* message) : std::runtime_error(message), code(error) {}
+  RTCError code;
+};
+
+}  // namespace
+
+GroupSettings TrackedScene::group_settings() const {
+  const RTCSceneFlags flags = real().rtcGetSceneFlags(handle_);
+  const Preset preset = environment().preset;
+  GroupSettings settings;
+  settings.runs_context_filters = (flags & RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION) != 0;
+  if (preset == Preset::kCompact) settings.build.inline_share = kCompactInlineShare;
+  if (preset == Preset::kFast && (flags & RTC_SCENE_FLAG_ROBUST) == 0) {
+    settings.build.precision = Precision::kFast;
+  }
+  return settings;
+}
+
+TrackedScene::Plan TrackedScene::make_plan() const {
+  const std::lock_guard lock(mutex_);
+  Plan plan;
+  plan.attached = attachments_.size();
+  plan.contents.push_back(edits_);
+  for (const auto& [geom_id, attachment] : attachments_) {
+    const std::shared_ptr<TrackedGeometry>& geometry = attachment.geometry;
+    if (geometry == nullptr) {
+      plan.is_certain = false;
+      continue;
+    }
+    plan.contents.insert(plan.contents.end(), {geom_id, geometry->version});
+    // What Embree refuses shall be refused by Embree.
+    if (geometry->enabled && !geometry->committed) plan.is_certain = false;
+    if (geometry->instanced != nullptr) plan.contents.push_back(geometry->instanced->commits());
+    if (geometry->type != RTC_GEOMETRY_TYPE_TRIANGLE) continue;
+    StaysNative reason = geometry->why_native();
+    if (reason == StaysNative::kNone && !device_->is_plain()) reason = StaysNative::kDevice;
+    plan.meshes.emplace_back(geometry, reason);
+    if (reason == StaysNative::kNone && geometry->enabled) {
+      plan.members.push_back({geom_id, geometry, geometry->version});
+    }
+  }
+  return plan;
+}
+
+void TrackedScene::set_own_share(double share) {
+  const std::lock_guard lock(mutex_);
+  own_share_ = share;
+}
+
+void TrackedScene::build_group(const Plan& plan, CommitTurns::Turn& turn) {
+  const GroupSettings settings = group_settings();
+  set_own_share(0);
+  if (group_->is_built_of(plan.members, settings)) return;
+  const double share = static_cast<double>(plan.members.size()) / static_cast<double>(plan.attached);
+  set_own_share(share);
+  turn.run([&] {
+    group_->build(plan.members, settings, [&](double fraction) { return report_progress(share * fraction); });
+  });
+}
+
+TrackedScene::Next TrackedScene::give_all_to_embree() {
+  if (group_ == nullptr) return Next::kForward;
+  const std::lock_guard lock(mutex_);
+  withdraw_proxy();
+  has_group_ = false;
+  group_.reset();
+  return Next::kForward;
+}
+
+/// After a failure of ours: as after one of Embree's the scene hits nothing, until a commit succeeds.
+/// Embree's own build is cancelled for that, and its error is swallowed, as there is to be one only.
+void TrackedScene::cancel_embrees_build() {
+  const Muted muted(device_->handle());
+  real().rtcSetSceneProgressMonitorFunction(handle_, refuse, nullptr);
+  real().rtcCommitScene(handle_);
+  const std::lock_guard lock(mutex_);
+  real().rtcSetSceneProgressMonitorFunction(handle_, progress_ == nullptr ? nullptr : native_progress, this);
+}
+
+TrackedScene::Next TrackedScene::carry_out(const Plan& plan, CommitTurns::Turn& turn) {
+  for (const auto& [mesh, reason] : plan.meshes) {
+    mesh->give_to_embree(reason != StaysNative::kNone);
+    if (mesh->enabled) count_mesh(*mesh, reason);
+  }
+  if (plan.members.empty()) return give_all_to_embree();
+  {
+    const std::lock_guard lock(mutex_);
+    if (is_clean_ && plan.is_certain && plan.contents == contents_) return Next::kNothing;
+    is_clean_ = false;
+  }
+  if (group_ == nullptr) group_ = std::make_unique<Group>(device_);
+  build_group(plan, turn);
+  const std::lock_guard lock(mutex_);
+  attach_proxy();
+  has_group_ = true;
+  contents_ = plan.contents;
+  return Next::kForward;
+}
+
+/// Throws CommitError.
+TrackedScene::Next TrackedScene::prepare(CommitTurns::Turn& turn) {
+  const Plan plan = make_plan();
+  try {
+    const Next next = carry_out(plan, turn);
+    say(plan);
+    return next;
+  } catch (const std::length_error&) {
+    for (const Member& member : plan.members) member.mesh->too_large = true;
+    return prepare(turn);
+  } catch (const BuildCancelled&) {
+    throw CommitError(RTC_ERROR_CANCELLED, "progress monitor forced termination");
+  } catch (const std::bad_alloc&) {
+    throw CommitError(RTC_ERROR_OUT_OF_MEMORY, "no memory, or the memory monitor forced termination");
+  } catch (const std::exception& error) {
+    throw CommitError(RTC_ERROR_UNKNOWN, error.what());
+  }
+}
+
+void TrackedScene::say(const Plan& plan) const {
+  if (!environment().verbose || plan.meshes.empty()) return;
+  std::string left;
+  for (const auto& [mesh, reason] : plan.meshes) {
+    if (reason == StaysNative::kNone || !mesh->enabled) continue;
+    left += left.empty() ? "; left to Embree: " : ", ";
+    left += describe(reason);
+  }
+  std::fprintf(stderr, "libstbvh_preload: scene %p: %zu meshes taken over%s\n",
+               static_cast<const void*>(handle_), plan.members.size(), left.c_str());
+}
+
+void TrackedScene::forward(bool join) {
+  const ErrorWatch watch;
+  join ? real().rtcJoinCommitScene(handle_) : real().rtcCommitScene(handle_);
+  const std::lock_guard lock(mutex_);
+  is_clean_ = !watch.failed();
+  commits_ = next_version();
+  scenes_changed();
+}
+
+void TrackedScene::commit(bool join) {
+  try {
+    Next next;
+    {
+      CommitTurns::Turn turn(turns_);
+      if (join && turn.found_failure()) return;
+      try {
+        next = prepare(turn);
+      } catch (const CommitError&) {
+        turn.failed();
+        count_failed_build();
+        cancel_embrees_build();
+        throw;
+      }
+    }
+    if (next == Next::kForward) forward(join);
+  } catch (const CommitError& error) {
+    device_->raise(error.code, error.what());
+  }
+}
+
+}  // namespace stbvh::preload

@@ -1,0 +1,151 @@
+#include "plugin/preload/tracked_device.h"
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+#include "plugin/preload/real_embree.h"
+
+namespace stbvh::preload {
+namespace {
+
+struct ThreadErrors {
+  std::vector<std::pair<RTCDevice, RTCError>> pending;
+  unsigned reported = 0;
+  unsigned muted = 0;
+};
+
+thread_local ThreadErrors thread_errors;
+
+/// Embree says no device's end, so an entry stays until its address is another device's.
+struct Devices {
+  std::mutex mutex;
+  std::unordered_map<RTCDevice, std::shared_ptr<TrackedDevice>> by_handle;
+};
+
+Devices& devices() {
+  static auto* const kDevices = new Devices;  // outlives what runs at exit
+  return *kDevices;
+}
+
+void keep_pending(RTCDevice handle, RTCError code) {
+  auto& pending = thread_errors.pending;
+  const bool has_one =
+      std::any_of(pending.begin(), pending.end(), [&](const auto& entry) { return entry.first == handle; });
+  if (!has_one) pending.emplace_back(handle, code);
+}
+
+bool hits_as_we_do(RTCDevice device) {
+  const auto property = [&](RTCDeviceProperty which) { return real().rtcGetDeviceProperty(device, which); };
+  return property(RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) != 0 &&
+         property(RTC_DEVICE_PROPERTY_BACKFACE_CULLING_ENABLED) == 0 &&
+         property(RTC_DEVICE_PROPERTY_FILTER_FUNCTION_SUPPORTED) != 0 &&
+         property(RTC_DEVICE_PROPERTY_USER_GEOMETRY_SUPPORTED) != 0;
+}
+
+}  // namespace
+
+TrackedDevice::TrackedDevice(RTCDevice handle, int thread_limit)
+    : handle_(handle), thread_limit_(thread_limit), is_plain_(hits_as_we_do(handle)) {}
+
+void TrackedDevice::set_error_function(RTCErrorFunction function, void* user_ptr) {
+  const std::lock_guard lock(mutex_);
+  error_function_ = function;
+  error_user_ptr_ = user_ptr;
+}
+
+void TrackedDevice::set_memory_monitor(RTCMemoryMonitorFunction function, void* user_ptr) {
+  const std::lock_guard lock(mutex_);
+  memory_monitor_ = function;
+  memory_user_ptr_ = user_ptr;
+}
+
+void TrackedDevice::tell(RTCError code, const char* message) {
+  std::unique_lock lock(mutex_);
+  const RTCErrorFunction function = error_function_;
+  void* const user_ptr = error_user_ptr_;
+  lock.unlock();
+  if (function != nullptr) function(user_ptr, code, message);
+}
+
+void TrackedDevice::raise(RTCError code, const char* message) {
+  tell(code, message);
+  const RTCError earlier = real().rtcGetDeviceError(handle_);
+  keep_pending(handle_, earlier != RTC_ERROR_NONE ? earlier : code);
+}
+
+bool TrackedDevice::report_memory(ssize_t bytes) {
+  std::unique_lock lock(mutex_);
+  const RTCMemoryMonitorFunction monitor = memory_monitor_;
+  void* const user_ptr = memory_user_ptr_;
+  lock.unlock();
+  // As Embree: before memory is taken, after it was given back; what is given back cannot be refused.
+  return monitor == nullptr || bytes == 0 || monitor(user_ptr, bytes, bytes < 0) || bytes < 0;
+}
+
+void TrackedDevice::on_error(void* device, RTCError code, const char* message) {
+  ++thread_errors.reported;
+  if (thread_errors.muted == 0) static_cast<TrackedDevice*>(device)->tell(code, message);
+}
+
+std::shared_ptr<TrackedDevice> find_device(RTCDevice handle) {
+  const std::lock_guard lock(devices().mutex);
+  const auto found = devices().by_handle.find(handle);
+  return found == devices().by_handle.end() ? nullptr : found->second;
+}
+
+int thread_limit_of(const char* config) {
+  std::string text(config == nullptr ? "" : config);
+  std::erase_if(text, [](unsigned char c) { return std::isspace(c) != 0; });
+  constexpr std::string_view kKey = "threads=";
+  for (std::size_t start = 0; start < text.size();) {
+    const std::size_t end = std::min(text.find(',', start), text.size());
+    if (text.compare(start, kKey.size(), kKey) == 0) {
+      int threads = 0;
+      std::from_chars(text.data() + start + kKey.size(), text.data() + end, threads);
+      return std::max(threads, 0);
+    }
+    start = end + 1;
+  }
+  return 0;
+}
+
+void track_device(RTCDevice handle, const char* config) {
+  auto device = std::make_shared<TrackedDevice>(handle, thread_limit_of(config));
+  real().rtcSetDeviceErrorFunction(handle, TrackedDevice::on_error, device.get());
+  const std::lock_guard lock(devices().mutex);
+  devices().by_handle[handle] = std::move(device);
+}
+
+RTCError take_pending_error(RTCDevice handle) {
+  auto& pending = thread_errors.pending;
+  const auto found =
+      std::find_if(pending.begin(), pending.end(), [&](const auto& entry) { return entry.first == handle; });
+  if (found == pending.end()) return RTC_ERROR_NONE;
+  const RTCError code = found->second;
+  pending.erase(found);
+  return code;
+}
+
+ErrorWatch::ErrorWatch() : seen_(thread_errors.reported) {}
+
+bool ErrorWatch::failed() const {
+  return thread_errors.reported != seen_;
+}
+
+Muted::Muted(RTCDevice handle) : handle_(handle), earlier_(real().rtcGetDeviceError(handle)) {
+  ++thread_errors.muted;
+}
+
+Muted::~Muted() {
+  --thread_errors.muted;
+  real().rtcGetDeviceError(handle_);  // takes away what was left behind
+  if (earlier_ != RTC_ERROR_NONE) keep_pending(handle_, earlier_);
+}
+
+}  // namespace stbvh::preload

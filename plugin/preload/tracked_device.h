@@ -1,0 +1,87 @@
+/// Errors and memory of a device, as Embree reports them.
+#pragma once
+
+#include <embree3/rtcore.h>
+#include <sys/types.h>
+
+#include <cstddef>
+#include <memory>
+#include <mutex>
+
+namespace stbvh::preload {
+
+/// What the application set on a device. Embree's own error function is always ours, which passes errors on.
+class TrackedDevice {
+ public:
+  TrackedDevice(RTCDevice handle, int thread_limit);
+
+  RTCDevice handle() const { return handle_; }
+  /// Threads that may build; 0: all.
+  int thread_limit() const { return thread_limit_; }
+
+  /// Whether triangles are hit as our structure hits them: masks and filters count, backs are hit.
+  bool is_plain() const { return is_plain_; }
+
+  void set_error_function(RTCErrorFunction function, void* user_ptr);
+  void set_memory_monitor(RTCMemoryMonitorFunction function, void* user_ptr);
+
+  /// Reports an error of ours as Embree does its own: to the error function, and to rtcGetDeviceError of this
+  /// thread, which keeps the first.
+  void raise(RTCError code, const char* message);
+
+  /// Asks the memory monitor for `bytes` (negative: gives them back). False if it refuses; the application
+  /// does not count them then.
+  bool report_memory(ssize_t bytes);
+
+  /// What Embree calls: `device` is the TrackedDevice.
+  static void on_error(void* device, RTCError code, const char* message);
+
+ private:
+  void tell(RTCError code, const char* message);
+
+  const RTCDevice handle_;
+  const int thread_limit_;
+  const bool is_plain_;
+  std::mutex mutex_;
+  RTCErrorFunction error_function_ = nullptr;
+  void* error_user_ptr_ = nullptr;
+  RTCMemoryMonitorFunction memory_monitor_ = nullptr;
+  void* memory_user_ptr_ = nullptr;
+};
+
+/// The device of a handle that rtcNewDevice returned, or null.
+std::shared_ptr<TrackedDevice> find_device(RTCDevice handle);
+
+/// After rtcNewDevice with `config`, which may be null.
+void track_device(RTCDevice handle, const char* config);
+
+/// The value of `threads` in a device's configuration ("threads=4,isa=avx2"); 0 without one.
+int thread_limit_of(const char* config);
+
+/// An error of ours that this thread has not asked for, taken away; RTC_ERROR_NONE without one.
+RTCError take_pending_error(RTCDevice handle);
+
+/// Whether Embree reported an error to this thread since this was made.
+class ErrorWatch {
+ public:
+  ErrorWatch();
+  bool failed() const;
+
+ private:
+  unsigned seen_;
+};
+
+/// While it lives, what Embree reports to this thread is neither told to the application nor left behind.
+class Muted {
+ public:
+  explicit Muted(RTCDevice handle);
+  ~Muted();
+  Muted(const Muted&) = delete;
+  Muted& operator=(const Muted&) = delete;
+
+ private:
+  RTCDevice handle_;
+  RTCError earlier_;
+};
+
+}  // namespace stbvh::preload

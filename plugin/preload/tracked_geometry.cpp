@@ -1,0 +1,110 @@
+#include "plugin/preload/tracked_geometry.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "plugin/preload/environment.h"
+#include "plugin/preload/real_embree.h"
+
+namespace stbvh::preload {
+namespace {
+
+/// Whether what was recorded is what Embree has.
+bool is_bound(RTCGeometry geometry, RTCBufferType type, unsigned slot, const BoundBuffer& buffer) {
+  return buffer.data != nullptr && real().rtcGetGeometryBufferData(geometry, type, slot) == buffer.data;
+}
+
+}  // namespace
+
+const char* describe(StaysNative reason) {
+  switch (reason) {
+    case StaysNative::kNone:
+      return "taken over";
+    case StaysNative::kOneStep:
+      return "one time step";
+    case StaysNative::kUncommitted:
+      return "changed and not committed";
+    case StaysNative::kBuffers:
+      return "buffers missing or not alike";
+    case StaysNative::kTimeRange:
+      return "time range empty or not finite";
+    case StaysNative::kTooLarge:
+      return "too large";
+    case StaysNative::kDevice:
+      return "Embree without ray masks or filters, or with backface culling";
+  }
+  return "";
+}
+
+std::uint64_t next_version() {
+  static std::atomic<std::uint64_t> last{0};
+  return last.fetch_add(1, std::memory_order_relaxed) + 1;
+}
+
+Registry<RTCGeometry, TrackedGeometry>& geometries() {
+  static auto* const kGeometries = new Registry<RTCGeometry, TrackedGeometry>;  // outlives what runs at exit
+  return *kGeometries;
+}
+
+TrackedGeometry::~TrackedGeometry() {
+  geometries().forget(handle, this);
+}
+
+void TrackedGeometry::modified() {
+  committed = false;
+  version = next_version();
+}
+
+void TrackedGeometry::was_committed() {
+  committed = true;
+  version = next_version();
+}
+
+void TrackedGeometry::set_enabled(bool value) {
+  const std::lock_guard lock(mutex_);
+  enabled = value;
+  version = next_version();
+  if (!given_to_embree_ || natively_enabled_ == value) return;
+  natively_enabled_ = value;
+  value ? real().rtcEnableGeometry(handle) : real().rtcDisableGeometry(handle);
+}
+
+void TrackedGeometry::give_to_embree(bool value) {
+  const std::lock_guard lock(mutex_);
+  given_to_embree_ = value;
+  const bool wanted = value && enabled;
+  if (natively_enabled_ == wanted) return;
+  natively_enabled_ = wanted;
+  wanted ? real().rtcEnableGeometry(handle) : real().rtcDisableGeometry(handle);
+}
+
+bool TrackedGeometry::is_taken_over() {
+  const std::lock_guard lock(mutex_);
+  return enabled && !given_to_embree_;
+}
+
+StaysNative TrackedGeometry::why_native() const {
+  if (step_count < 2 && !environment().all_triangles) return StaysNative::kOneStep;
+  if (!committed) return StaysNative::kUncommitted;
+  if (too_large) return StaysNative::kTooLarge;
+  const bool has_times = std::isfinite(time_range.begin) && std::isfinite(time_range.end) &&
+                         time_range.begin < time_range.end &&
+                         std::isfinite(time_range.end - time_range.begin);
+  if (!has_times) return StaysNative::kTimeRange;
+  return has_buffers() ? StaysNative::kNone : StaysNative::kBuffers;
+}
+
+bool TrackedGeometry::has_buffers() const {
+  if (vertices.size() < step_count) return false;
+  if (!is_bound(handle, RTC_BUFFER_TYPE_INDEX, 0, indices)) return false;
+  for (unsigned step = 0; step < step_count; ++step) {
+    if (!is_bound(handle, RTC_BUFFER_TYPE_VERTEX, step, vertices[step])) return false;
+    // Embree wants them alike, and says so where they are not.
+    if (vertices[step].count != vertices[0].count || vertices[step].stride != vertices[0].stride)
+      return false;
+  }
+  return true;
+}
+
+}  // namespace stbvh::preload

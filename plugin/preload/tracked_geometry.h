@@ -1,0 +1,105 @@
+/// What the application said of a geometry.
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "plugin/preload/registry.h"
+#include "stbvh/vec.h"
+
+namespace stbvh::preload {
+
+class TrackedScene;
+
+/// A buffer as it was bound; its contents are read at commit.
+struct BoundBuffer {
+  const void* data = nullptr;
+  std::size_t stride = 0;
+  std::size_t count = 0;
+};
+
+/// One step of an instance's motion, as the application gave it.
+struct InstanceTransform {
+  enum class Kind { kNone, kMatrix, kQuaternion } kind = Kind::kNone;
+  RTCFormat format = RTC_FORMAT_UNDEFINED;
+  std::array<float, 16> matrix{};
+  RTCQuaternionDecomposition quaternion{};
+};
+
+/// Why a triangle mesh stays with Embree; kNone: it does not.
+enum class StaysNative { kNone, kOneStep, kUncommitted, kBuffers, kTimeRange, kTooLarge, kDevice };
+inline constexpr std::size_t kStaysNativeCount = 7;
+
+/// In a few words, for statistics.
+const char* describe(StaysNative reason);
+
+/// A number that no call returned before.
+std::uint64_t next_version();
+
+/// All kinds of geometries are tracked, for the sake of knowing whether a scene changed; triangle meshes and
+/// instances in full. As in Embree, setters of one geometry are for one thread at a time.
+class TrackedGeometry {
+ public:
+  TrackedGeometry(RTCGeometry own_handle, RTCGeometryType own_type, RTCDevice own_device)
+      : handle(own_handle), type(own_type), device(own_device) {}
+  ~TrackedGeometry();
+  TrackedGeometry(const TrackedGeometry&) = delete;
+  TrackedGeometry& operator=(const TrackedGeometry&) = delete;
+
+  /// After a setter: rtcCommitGeometry has to follow.
+  void modified();
+  void was_committed();
+
+  /// The application's switch. Embree is told unless the mesh is taken over, for then it is off there.
+  void set_enabled(bool value);
+  /// Whether Embree itself shall answer for the mesh, as far as the application has it enabled.
+  void give_to_embree(bool value);
+
+  /// Whether a group answers for it instead.
+  bool is_taken_over();
+
+  /// Does not look at whether it is enabled, nor at the device.
+  StaysNative why_native() const;
+
+  const RTCGeometry handle;
+  const RTCGeometryType type;
+  const RTCDevice device;
+
+  unsigned step_count = 1;
+  TimeRange time_range;
+  unsigned mask = 0xFFFFFFFFu;
+  RTCFilterFunctionN intersect_filter = nullptr;
+  RTCFilterFunctionN occluded_filter = nullptr;
+  RTCPointQueryFunction point_query = nullptr;
+  BoundBuffer indices;
+  std::vector<BoundBuffer> vertices;  ///< by step
+
+  std::shared_ptr<TrackedScene> instanced;
+  std::vector<InstanceTransform> transforms;  ///< by step
+
+  bool enabled = true;
+  bool committed = false;
+  bool too_large = false;     ///< found out by a build: never again
+  std::uint64_t version = 0;  ///< next_version() at each change
+
+  /// For statistics: what this mesh was counted for, bit 0: taken over, bit i: reason i.
+  unsigned counted = 0;
+
+ private:
+  bool has_buffers() const;
+
+  std::mutex mutex_;
+  bool natively_enabled_ = true;
+  bool given_to_embree_ = true;
+};
+
+/// Of all devices.
+Registry<RTCGeometry, TrackedGeometry>& geometries();
+
+}  // namespace stbvh::preload

@@ -1,0 +1,122 @@
+#!/usr/bin/env bash
+# The installed library, as an application sees it. Usage: install_test.sh STEP BUILD_FOLDER SOURCE_FOLDER CMAKE CC CXX
+# STEP `install` leaves a prefix in BUILD_FOLDER/tests/install/prefix, which the other steps use.
+set -euo pipefail
+step=$1 build=$2 source=$3 cmake=$4 cc=$5 cxx=$6
+work=$build/tests/install
+prefix=$work/prefix
+example=$source/plugin/examples/from_triangles
+
+fail() { echo "$*" >&2; exit 1; }
+library() { find "$prefix" -name 'libstbvh.so'; }
+use_pkg_config() { PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name stbvh.pc)"); export PKG_CONFIG_PATH; }
+flags() { pkg-config "$@" stbvh; }
+warnings=(-pedantic -Wall -Wextra -Werror)
+
+# Installed, then moved: nothing that is found later may name the first place.
+install_and_move() {
+  rm -rf "$prefix" "$work/first"
+  "$cmake" --install "$build" --prefix "$work/first" > "$work/install.log"
+  mv "$work/first" "$prefix"
+  ! grep -rlI --exclude-dir=doc -e "$work/first" -e "$source" "$prefix" || fail "these name the place where they were made"
+  [ -z "$(find "$prefix" -name '*stbvh-ab*' -o -name '*.a')" ] || fail "the harness or a static library is installed"
+}
+
+# Exactly what the header declares, and nothing of C++.
+exports() {
+  diff <(grep -ozP '(?m)^STBVH_API [^;(]*?\K\w+(?=\()' "$(find "$prefix" -name stbvh_embree.h)" | tr '\0' '\n' | sort) \
+    <(nm --dynamic --defined-only "$(library)" | awk '{ print $3 }' | sort) ||
+    fail "left: what the header declares; right: what the library exports"
+}
+
+soname() {
+  local version
+  version=$(sed -n 's/^project(stbvh VERSION \([0-9.]*\).*/\1/p' "$source/CMakeLists.txt")
+  readelf --dynamic "$(library)" | grep -qF "soname: [libstbvh.so.${version%.*}]" || fail "not the soname of version $version"
+  [ "$(basename "$(readlink -f "$(library)")")" = "libstbvh.so.$version" ] || fail "the file is not that of version $version"
+  use_pkg_config
+  [ "$(flags --modversion)" = "$version" ] || fail "stbvh.pc has another version than $version"
+}
+
+check_example() {
+  "$1" > "$1.log" || { cat "$1.log"; fail "the example failed"; }
+  grep -q ' rays hit, 0 differ$' "$1.log" || fail "the example does not say what it found"
+}
+
+by_cmake() {
+  rm -rf "$work/by_cmake"
+  "$cmake" -S "$example" -B "$work/by_cmake" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER="$cc" \
+    -DCMAKE_C_FLAGS="-std=c99 ${warnings[*]}"
+  "$cmake" --build "$work/by_cmake"
+  check_example "$work/by_cmake/from_triangles"
+}
+
+# A version that is not there must be refused by the version file, not by the compiler.
+by_cmake_version() {
+  local wanted
+  for wanted in 0.0 0.2 1.0; do
+    mkdir -p "$work/version"
+    printf 'cmake_minimum_required(VERSION 3.16)\nproject(p LANGUAGES NONE)\nfind_package(stbvh %s REQUIRED)\n' "$wanted" \
+      > "$work/version/CMakeLists.txt"
+    rm -rf "$work/version/build"
+    ! "$cmake" -S "$work/version" -B "$work/version/build" -DCMAKE_PREFIX_PATH="$prefix" > "$work/version.log" 2>&1 ||
+      fail "version $wanted was found"
+    tr -s ' \n' ' ' < "$work/version.log" | grep -q "compatible with requested version \"$wanted\"" ||
+      { cat "$work/version.log"; fail "refused for another reason"; }
+  done
+}
+
+by_pkg_config() {
+  use_pkg_config
+  local program files
+  for program in from_triangles moving_triangles; do
+    files=("$source/plugin/examples/$program"*.c)
+    [ "$program" = moving_triangles ] || files=("$example"/*.c)
+    # shellcheck disable=SC2046  # the flags are words
+    "$cc" -std=c99 "${warnings[@]}" "${files[@]}" -o "$work/$program" $(flags --cflags --libs) -lm
+  done
+  LD_LIBRARY_PATH=$(dirname "$(library)")
+  export LD_LIBRARY_PATH
+  check_example "$work/from_triangles"
+  "$work/moving_triangles"
+}
+
+# The installed script finds the installed library, which takes over what the example gives to Embree.
+preload() {
+  use_pkg_config
+  # shellcheck disable=SC2046
+  "$cc" -std=c99 "$example"/*.c -o "$work/preload" $(flags --cflags --libs) -lm
+  printf '#!/bin/sh\nLD_LIBRARY_PATH=%s exec %s/bin/stbvh-run --json %s %s\n' "$(dirname "$(library)")" "$prefix" \
+    "$work/preload.json" "$work/preload" > "$work/preload.sh"
+  chmod +x "$work/preload.sh"
+  rm -f "$work/preload.json"
+  check_example "$work/preload.sh"
+  grep -q '"meshes_taken_over": 1' "$work/preload.json" || fail "nothing was taken over"
+}
+
+# The header alone, in the languages that it is for.
+header() {
+  use_pkg_config
+  local language compiler
+  for language in c99 c11 c++11 c++14 c++17 c++20; do
+    case $language in c++*) compiler=("$cxx" -x c++) ;; *) compiler=("$cc" -x c) ;; esac
+    # shellcheck disable=SC2046
+    "${compiler[@]}" "-std=$language" "${warnings[@]}" -fsyntax-only $(flags --cflags) - <<< '#include <stbvh/stbvh_embree.h>
+      void use(void); void use(void) { struct StbvhMeshArguments mesh; stbvhInitMeshArguments(&mesh); (void)mesh; }' ||
+      fail "the header is not $language"
+  done
+}
+
+# How much an application has to change: the lines of one attach function, besides keeping and releasing the handle.
+handful() {
+  local new
+  new=$(diff "$example/with_embree.c" "$example/with_stbvh.c" | grep -c '^> .*[^ ]') || true
+  [ "$new" -gt 5 ] || fail "the two ways are no longer two"
+  [ "$new" -le 20 ] || fail "$new lines differ: more than a handful"
+}
+
+case $step in
+  install) install_and_move ;;
+  exports | soname | by_cmake | by_cmake_version | by_pkg_config | preload | header | handful) "$step" ;;
+  *) fail "no such step: $step" ;;
+esac

@@ -1,0 +1,100 @@
+/// The same scene twice: through the preload library, and in Embree alone.
+///
+/// The tests have the preload library's functions in the program itself, so that they come before Embree's,
+/// as under LD_PRELOAD; Embree's own are looked up in libembree3. Functions that trace rays are Embree's in
+/// both.
+#pragma once
+
+#include <embree3/rtcore.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <functional>
+#include <random>
+#include <vector>
+
+namespace stbvh::preload_test {
+
+struct Embree {
+#define STBVH_FUNCTION(name) decltype(&::name) name;
+#include "tests/preload/embree_functions.inl"
+#undef STBVH_FUNCTION
+};
+
+/// What an application calls that has the preload library before its Embree.
+const Embree& ours();
+/// Embree itself.
+const Embree& native();
+
+/// Uniform numbers, the same on every machine.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  float unit() { return static_cast<float>(engine_() >> 40) * 0x1p-24f; }
+  float between(float a, float b) { return a + (b - a) * unit(); }
+  unsigned below(unsigned n) { return static_cast<unsigned>(engine_() % n); }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+struct Position {
+  float x, y, z;
+};
+
+struct Mesh {
+  std::vector<std::uint32_t> indices;
+  std::vector<std::vector<Position>> steps;  ///< with one element of padding, which Embree reads
+  float start_time = 0, end_time = 1;
+  unsigned mask = 0xFFFFFFFFu;
+
+  std::size_t vertex_count() const { return steps[0].size() - 1; }
+  std::size_t triangle_count() const { return indices.size() / 3; }
+};
+
+/// `triangles` separate triangles around [-1, 1]^3 whose corners wander from step to step.
+Mesh triangle_soup(std::uint64_t seed, unsigned triangles, unsigned step_count);
+/// A triangle that fills x, y in [-1, 1] at height z, at rest.
+Mesh flat_triangle(float z, unsigned step_count = 2);
+
+/// Everything but the commit, in shared buffers.
+RTCGeometry new_mesh(const Embree& embree, RTCDevice device, const Mesh& mesh);
+RTCGeometry new_mesh(const Embree& embree, RTCDevice device, Mesh&& mesh) = delete;
+/// Commits, attaches and releases.
+unsigned attach(const Embree& embree, RTCScene scene, RTCGeometry geometry);
+
+/// Whether a structure of ours answers for meshes of this scene.
+bool is_taken_over(RTCScene scene);
+
+/// A device of each and a scene of each, with the same contents.
+class Twice {
+ public:
+  Twice();
+  ~Twice();
+  Twice(const Twice&) = delete;
+  Twice& operator=(const Twice&) = delete;
+
+  /// Does the same with both.
+  void both(const std::function<void(const Embree&, RTCDevice, RTCScene)>& action);
+  void add(const Mesh& mesh);
+  void add(Mesh&& mesh) = delete;  // shared buffers
+  void commit();
+
+  RTCDevice our_device, native_device;
+  RTCScene our_scene, native_scene;
+};
+
+/// Rays through [-1, 1]^3 from outside at random times.
+std::vector<RTCRayHit> random_rays(std::uint64_t seed, unsigned count);
+
+/// Traces the rays in both and compares IDs exactly, numbers within rounding; at least a tenth must hit.
+void expect_same_hits(RTCScene our_scene, RTCScene native_scene, const std::vector<RTCRayHit>& rays);
+
+/// Hits that must be the same.
+void expect_same_hit(const RTCRayHit& ours, const RTCRayHit& native);
+
+RTCRayHit ray_along_z(float x, float y, float time);
+bool hits(RTCScene scene, float x, float y, float time, unsigned mask = 0xFFFFFFFFu);
+unsigned geom_id_hit(RTCScene scene, float x, float y, float time);
+
+}  // namespace stbvh::preload_test
