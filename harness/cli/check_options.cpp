@@ -92,6 +92,23 @@ void check_range(const char* option, std::size_t value, std::size_t most) {
     throw UsageError(fmt::format("{} must be 1 to {}, not {}.", option, most, value));
 }
 
+/// Those of `known` that are in `asked`, in their order; all where it is empty or says "all".
+std::vector<std::string> chosen_names(std::string_view what, const std::vector<std::string>& asked,
+                                      std::span<const std::string_view> known) {
+  const auto is_asked = [&](std::string_view name) {
+    return std::find(asked.begin(), asked.end(), name) != asked.end();
+  };
+  for (const std::string& name : asked) {
+    if (name != "all" && std::find(known.begin(), known.end(), name) == known.end())
+      throw UsageError(unknown_name(what, name, known));
+  }
+  std::vector<std::string> chosen;
+  for (std::string_view name : known) {
+    if (asked.empty() || is_asked("all") || is_asked(name)) chosen.emplace_back(name);
+  }
+  return chosen;
+}
+
 }  // namespace
 
 void check_scene_options(Arguments& a, const CLI::App& command) {
@@ -113,27 +130,6 @@ void check_scene_options(Arguments& a, const CLI::App& command) {
   check_shutter_mode(a.shutter_mode, o.gltf);
   check_steps(a.steps, o.gltf);
 }
-
-namespace {
-
-/// Those of `known` that are in `asked`, in their order; all where it is empty or says "all".
-std::vector<std::string> chosen_names(std::string_view what, const std::vector<std::string>& asked,
-                                      std::span<const std::string_view> known) {
-  const auto is_asked = [&](std::string_view name) {
-    return std::find(asked.begin(), asked.end(), name) != asked.end();
-  };
-  for (const std::string& name : asked) {
-    if (name != "all" && std::find(known.begin(), known.end(), name) == known.end())
-      throw UsageError(unknown_name(what, name, known));
-  }
-  std::vector<std::string> chosen;
-  for (std::string_view name : known) {
-    if (asked.empty() || is_asked("all") || is_asked(name)) chosen.emplace_back(name);
-  }
-  return chosen;
-}
-
-}  // namespace
 
 void check_structures(Options& o, std::span<const std::string_view> otherwise) {
   if (o.structures.empty()) o.structures.assign(otherwise.begin(), otherwise.end());

@@ -60,8 +60,8 @@ std::pair<double, double> parse_pair(std::string_view text, char separator, std:
 /// UsageError.
 void check_scene_options(Arguments& arguments, const CLI::App& command);
 
-/// Makes `structures` those that were asked for, in the order of structure_names(); where none was,
-/// `otherwise`, and all where that is empty. Throws UsageError.
+/// Makes `structures` those that were asked for, `otherwise` where none was, or all where that is none; in
+/// the order of structure_names(). Throws UsageError.
 void check_structures(Options& options, std::span<const std::string_view> otherwise = {});
 
 /// Throws UsageError for more threads than there are cores.

@@ -50,8 +50,8 @@ struct OracleAnswer {
   bool is_certain() const { return certain_t_upper < std::numeric_limits<double>::infinity(); }
 };
 
-/// Triangle `prim_id` of mesh `geom_id` against `ray`; empty where that triangle does not exist, is invalid, or
-/// cannot be hit by the ray because of its time or mask, or because the ray hits nothing at all.
+/// Triangle `prim_id` of mesh `geom_id` against `ray`; empty where that triangle does not exist, is invalid,
+/// or cannot be hit by the ray because of its time or mask, or because the ray hits nothing at all.
 std::optional<TriangleTest> test_primitive(const Scene& scene, const Ray& ray, std::uint32_t geom_id,
                                            std::uint32_t prim_id);
 

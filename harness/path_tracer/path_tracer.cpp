@@ -104,12 +104,6 @@ PathTracer::PathTracer(const Scene& scene, const StructureUnderTest& structure,
   }
 }
 
-PathTracer::Lights PathTracer::lights_of(const Scene& scene) {
-  AreaLights area(scene);
-  FarLights far = far_lights(scene, !area.empty());
-  return {std::move(area), DirectionalLights(far.directional), EnvironmentLight(std::move(far.environment))};
-}
-
 SobolSampler PathTracer::sampler_of(std::size_t x, std::size_t y, std::size_t sample) const {
   return {settings_.seed, y * settings_.width + x, static_cast<std::uint32_t>(sample)};
 }
@@ -123,6 +117,12 @@ CameraRay PathTracer::lens_ray(const SobolSampler& sampler, std::size_t x, std::
 Ray PathTracer::camera_ray(std::size_t x, std::size_t y, std::size_t sample) const {
   const SobolSampler sampler = sampler_of(x, y, sample);
   return to_ray(lens_ray(sampler, x, y), settings_.shutter.time_at(sampler.number(kTime)));
+}
+
+PathTracer::Lights PathTracer::lights_of(const Scene& scene) {
+  AreaLights area(scene);
+  FarLights far = far_lights(scene, !area.empty());
+  return {std::move(area), DirectionalLights(far.directional), EnvironmentLight(std::move(far.environment))};
 }
 
 PathSample PathTracer::trace(std::size_t x, std::size_t y, std::size_t index) const {

@@ -32,7 +32,10 @@ void add_options(CLI::App& app, PreviewArguments& a) {
          "Name of a built-in scene (see stbvh-ab list), .glb, .gltf, .xml (Embree's) or .ecs file, or .obj "
          "files (walk_%04d.obj, or a folder)")
       ->capture_default_str();
+  const std::size_t others = app.get_options().size();
   add_making_options(app, s);
+  const std::vector<CLI::Option*> all = app.get_options();
+  s.scene_options.assign(all.begin() + static_cast<std::ptrdiff_t>(others), all.end());
   app.add_option("--structures", s.options.structures, "A, or A,B: the structures that are looked at")
       ->delimiter(',')
       ->default_str("stbvh-direct,embree");

@@ -13,23 +13,6 @@ std::string text_of(Vec3f p) {
   return fmt::format("{},{},{}", p.x, p.y, p.z);
 }
 
-/// How the scene is made, where that is not as without options.
-std::string making_options(const Options& o) {
-  const GltfOptions defaults;
-  std::string text;
-  if (o.scale) text += fmt::format(" --scale {}", *o.scale);
-  if (!o.gltf.clip.empty()) text += " --clip " + shell_word(o.gltf.clip);
-  if (o.gltf.shutter_seconds)
-    text += fmt::format(" --shutter {},{}", o.gltf.shutter_seconds->begin, o.gltf.shutter_seconds->end);
-  if (o.gltf.shutter_mode == ShutterMode::kLoop) text += " --shutter-mode loop";
-  if (o.gltf.largest_deviation) {
-    text += fmt::format(" --steps auto:{}", *o.gltf.largest_deviation);
-  } else if (o.gltf.steps != defaults.steps) {
-    text += fmt::format(" --steps {}", o.gltf.steps);
-  }
-  return text;
-}
-
 }  // namespace
 
 std::string render_command(const Options& options, const std::string& scene,
@@ -39,10 +22,10 @@ std::string render_command(const Options& options, const std::string& scene,
   std::string text =
       fmt::format("stbvh-ab render --scenes {} --structures {}", shell_word(scene), structures[0]);
   if (is_pair) text += "," + structures[1];
-  text += making_options(options);
-  text += fmt::format(" --seed {} --size {}x{} --spp {} --shutter-open {} --shutter-close {}", settings.seed,
-                      settings.width, settings.height, settings.samples_per_pixel, settings.shutter.open,
-                      settings.shutter.close);
+  for (const std::string& word : options.scene_words) text += " " + shell_word(word);
+  text +=
+      fmt::format(" --size {}x{} --spp {} --shutter-open {} --shutter-close {}", settings.width,
+                  settings.height, settings.samples_per_pixel, settings.shutter.open, settings.shutter.close);
   if (settings.camera) {
     const Camera& c = *settings.camera;
     // A number may begin with a minus, which must not be taken for an option.

@@ -1,36 +1,31 @@
 /// The mouse and the keys of stbvh-preview, on an X server without a screen.
 #include <X11/keysym.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <array>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <future>
-#include <sstream>
 #include <string>
 
 #include "tests/harness/run_stbvh_ab.h"
+#include "tests/harness/temporary_folder.h"
 #include "tests/harness/x_client.h"
 #include "tests/harness/x_server.h"
 
 namespace stbvh::harness {
 namespace {
 
-namespace fs = std::filesystem;
-
 class PreviewInput : public ::testing::Test {
  protected:
   void SetUp() override {
     if (server_.display().empty()) GTEST_SKIP() << "there is no Xvfb (Debian: xvfb): no window is tested";
-    fs::create_directories(folder_);
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   /// Starts the program; what it writes comes with `outcome`.
   void start(const std::string& script, const std::string& arguments = "") {
     std::ofstream(folder_ / "script") << script;
-    const std::string command = "cd " + folder_.string() + "; DISPLAY=" + server_.display() +
+    const std::string command = "cd " + folder_.string() + "; env DISPLAY=" + server_.display() +
                                 " " STBVH_PREVIEW
                                 " wheels --scale 0.01 --samples 2 --size 800x400 --script script " +
                                 arguments + " 2>&1";
@@ -39,13 +34,12 @@ class PreviewInput : public ::testing::Test {
   /// The command line that the program wrote to `name`, from "--camera" on; waits for it.
   std::string camera_in(const char* name) const {
     for (int i = 0; i < 600 && !fs::exists(folder_ / name); ++i) XClient::pause(100);
-    std::stringstream text;
-    text << std::ifstream(folder_ / name).rdbuf();
-    const std::string all = text.str();
+    const std::string all = read_file(folder_ / name);
     return all.substr(std::min(all.find("--camera"), all.size()));
   }
 
-  const fs::path folder_ = fs::temp_directory_path() / ("stbvh_preview_input_" + std::to_string(getpid()));
+  const TemporaryFolder owner_;
+  const fs::path& folder_ = owner_.path();
   const XServer server_;
   std::future<Outcome> outcome_;
 };
@@ -77,12 +71,8 @@ TEST_F(PreviewInput, DisplaysOfDoubleDensityHavePicturesOfTheirHalf) {
   XClient user(server_.display());
   user.set_dots_per_inch(192);
   start("panels off\nwait 1\ncommand command\nscreenshot window.png\nclose\n");
-  const std::string command = [&] {
-    static_cast<void>(camera_in("command"));
-    std::stringstream text;
-    text << std::ifstream(folder_ / "command").rdbuf();
-    return text.str();
-  }();
+  EXPECT_NE(camera_in("command"), "");
+  const std::string command = read_file(folder_ / "command");
   EXPECT_NE(command.find("--size 400x200"), std::string::npos) << command;
   EXPECT_EQ(outcome_.get().exit_code, 0);
 }

@@ -1,30 +1,27 @@
 /// The preview's model with its threads: opening, building, cancelling, saving.
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <string>
 #include <thread>
 
 #include "harness/cli/usage_error.h"
 #include "harness/images/exr_file.h"
 #include "harness/preview/preview_model.h"
 #include "tests/harness/run_stbvh_ab.h"
+#include "tests/harness/temporary_folder.h"
 
 namespace stbvh::harness {
 namespace {
 
-namespace fs = std::filesystem;
-
 class PreviewModelTest : public ::testing::Test {
  protected:
-  void SetUp() override { fs::create_directories(folder_); }
-  void TearDown() override { fs::remove_all(folder_); }
-
   static Options options(double scale = 0.01) {
     Options o;
     o.scale = scale;
+    o.scene_words = {"--scale", std::to_string(scale)};
     o.threads = 2;
     o.structures = {"stbvh-direct", "embree"};
     return o;
@@ -49,7 +46,8 @@ class PreviewModelTest : public ::testing::Test {
     return live(model, [&] { return !model.load_progress().is_busy; });
   }
 
-  const fs::path folder_ = fs::temp_directory_path() / ("stbvh_preview_model_" + std::to_string(getpid()));
+  const TemporaryFolder owner_;
+  const fs::path& folder_ = owner_.path();
 };
 
 TEST_F(PreviewModelTest, ShowsASceneThroughTwoStructures) {

@@ -1,7 +1,6 @@
 /// stbvh-preview as a user runs it, in a window on an X server without a screen (Xvfb), driven by scripts.
 #include <gtest/gtest.h>
 #include <png.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -14,12 +13,11 @@
 
 #include "harness/images/image.h"
 #include "tests/harness/run_stbvh_ab.h"
+#include "tests/harness/temporary_folder.h"
 #include "tests/harness/x_server.h"
 
 namespace stbvh::harness {
 namespace {
-
-namespace fs = std::filesystem;
 
 Image read_png(const fs::path& path) {
   png_image png{};
@@ -57,16 +55,14 @@ class PreviewWindow : public ::testing::Test {
  protected:
   void SetUp() override {
     if (server_.display().empty()) GTEST_SKIP() << "there is no Xvfb (Debian: xvfb): no window is tested";
-    fs::create_directories(folder_);
   }
-  void TearDown() override { fs::remove_all(folder_); }
 
   std::string path(const std::string& name) const { return (folder_ / name).string(); }
 
   /// Runs the program on `display` with `arguments`.
   Outcome preview(const std::string& arguments, const std::string& environment = "") const {
     const std::string command = "export DISPLAY=" + server_.display() + "; env " + environment +
-                                " " STBVH_PREVIEW " " + arguments + " 2>&1";
+                                preview_environment() + " " STBVH_PREVIEW " " + arguments + " 2>&1";
     return run_command(command);
   }
 
@@ -85,7 +81,8 @@ class PreviewWindow : public ::testing::Test {
   }
   Image shot(const char* name) const { return read_png(folder_ / name); }
 
-  const fs::path folder_ = fs::temp_directory_path() / ("stbvh_preview_test_" + std::to_string(getpid()));
+  const TemporaryFolder owner_;
+  const fs::path& folder_ = owner_.path();
   const XServer server_;
 };
 
