@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "harness/images/image.h"
-#include "harness/scenes/vec3.h"
 #include "harness/scenes/scene.h"
+#include "harness/scenes/vec3.h"
 #include "stbvh/structure.h"
 
 namespace stbvh::harness {
