@@ -12,6 +12,7 @@
 #include "build/builder.h"
 #include "build/collapse.h"
 #include "layout/encoder.h"
+#include "layout/node_walk.h"
 #include "traverse/kernel_table.h"
 
 namespace stbvh {
@@ -152,6 +153,8 @@ class StructureImpl final : public Structure {
   }
 
   const BuildStatistics& statistics() const override { return statistics_; }
+
+  void visit_nodes(NodeVisitor& visitor) const override { walk_nodes(view_, visitor); }
 
   std::uint64_t tree_hash() const override {
     std::uint64_t hash = 0xcbf29ce484222325u ^ view_.root;

@@ -87,24 +87,9 @@ void check_shutter_mode(const std::string& mode, GltfOptions& gltf) {
   gltf.shutter_mode = known == kModes.begin() ? ShutterMode::kClamp : ShutterMode::kLoop;
 }
 
-void check_scenes(Arguments& a, const CLI::App& command) {
-  Options& o = a.options;
-  for (const CLI::Option* option : a.scene_options) {
-    if (option->count() > 0)
-      o.scene_words.insert(o.scene_words.end(),
-                           {option->get_name(), fmt::format("{}", fmt::join(option->results(), ","))});
-  }
-  o.scenes = named_scenes(o.scenes);
-  check_scale(a, command);
-  if (command.count("--shutter") > 0) {
-    const auto [begin, end] = parse_pair(a.shutter, ',', "--shutter");
-    if (!(begin >= 0) || !(begin < end) || !std::isfinite(end)) {
-      throw UsageError(fmt::format("--shutter must be A,B with 0 <= A < B, not \"{}\".", a.shutter));
-    }
-    o.gltf.shutter_seconds = TimeRange{static_cast<float>(begin), static_cast<float>(end)};
-  }
-  check_shutter_mode(a.shutter_mode, o.gltf);
-  check_steps(a.steps, o.gltf);
+void check_range(const char* option, std::size_t value, std::size_t most) {
+  if (value < 1 || value > most)
+    throw UsageError(fmt::format("{} must be 1 to {}, not {}.", option, most, value));
 }
 
 /// Those of `known` that are in `asked`, in their order; all where it is empty or says "all".
@@ -124,11 +109,43 @@ std::vector<std::string> chosen_names(std::string_view what, const std::vector<s
   return chosen;
 }
 
-/// Those that were asked for; `otherwise` where none was.
-void check_structures(Options& o, std::span<const std::string_view> otherwise = {}) {
+}  // namespace
+
+void check_scene_options(Arguments& a, const CLI::App& command) {
+  Options& o = a.options;
+  for (const CLI::Option* option : a.scene_options) {
+    if (option->count() > 0)
+      o.scene_words.insert(o.scene_words.end(),
+                           {option->get_name(), fmt::format("{}", fmt::join(option->results(), ","))});
+  }
+  o.scenes = named_scenes(o.scenes);
+  check_scale(a, command);
+  if (command.count("--shutter") > 0) {
+    const auto [begin, end] = parse_pair(a.shutter, ',', "--shutter");
+    if (!(begin >= 0) || !(begin < end) || !std::isfinite(end)) {
+      throw UsageError(fmt::format("--shutter must be A,B with 0 <= A < B, not \"{}\".", a.shutter));
+    }
+    o.gltf.shutter_seconds = TimeRange{static_cast<float>(begin), static_cast<float>(end)};
+  }
+  check_shutter_mode(a.shutter_mode, o.gltf);
+  check_steps(a.steps, o.gltf);
+}
+
+void check_structures(Options& o, std::span<const std::string_view> otherwise) {
   if (o.structures.empty()) o.structures.assign(otherwise.begin(), otherwise.end());
   o.structures = chosen_names("structure", o.structures, structure_names());
 }
+
+void check_threads(Options& o) {
+  std::vector<unsigned>& counts = o.thread_counts;
+  if (counts.empty()) counts = {o.threads};
+  for (unsigned count : counts) check_range("--threads", count, usable_core_count());
+  std::sort(counts.begin(), counts.end());
+  counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
+  o.threads = counts.back();
+}
+
+namespace {
 
 void check_families(Options& o) {
   std::vector<std::string_view> known;
@@ -147,20 +164,6 @@ void check_rays(Arguments& a) {
       a.options.rays.push_back(kind);
     }
   }
-}
-
-void check_range(const char* option, std::size_t value, std::size_t most) {
-  if (value < 1 || value > most)
-    throw UsageError(fmt::format("{} must be 1 to {}, not {}.", option, most, value));
-}
-
-void check_threads(Options& o) {
-  std::vector<unsigned>& counts = o.thread_counts;
-  if (counts.empty()) counts = {o.threads};
-  for (unsigned count : counts) check_range("--threads", count, usable_core_count());
-  std::sort(counts.begin(), counts.end());
-  counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
-  o.threads = counts.back();
 }
 
 /// What commands have that trace rays; `rays` of them where --count does not say.
@@ -325,6 +328,21 @@ std::pair<double, double> parse_pair(std::string_view text, char separator, std:
   return {*first, *second};
 }
 
+Vec3f parse_point(std::string_view text, std::string_view option) {
+  std::array<float, 3> numbers{};
+  std::string_view rest = text;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t end = i < 2 ? std::min(rest.find(','), rest.size()) : rest.size();
+    const auto number = parse_number(rest.substr(0, end));
+    if (!number || !std::isfinite(static_cast<float>(*number))) {
+      throw UsageError(fmt::format("{} takes three numbers with \",\" between, not \"{}\".", option, text));
+    }
+    numbers[i] = static_cast<float>(*number);
+    rest = rest.substr(std::min(end + 1, rest.size()));
+  }
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
 std::string_view over_name(Over over) {
   return kOverNames[static_cast<std::size_t>(over)];
 }
@@ -333,7 +351,7 @@ Options checked_options(Arguments a, const CLI::App& command) {
   const auto& checks = *std::find_if(std::begin(kCommands), std::end(kCommands),
                                      [&](const CommandChecks& c) { return c.name == command.get_name(); });
   a.options.command = checks.command;
-  if (checks.has_scenes) check_scenes(a, command);
+  if (checks.has_scenes) check_scene_options(a, command);
   checks.check(a, command);
   return a.options;
 }

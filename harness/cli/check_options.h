@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -44,11 +45,27 @@ struct Arguments {
   std::string output;
   std::string environment;
   std::string shutter_curve = "box";
+  std::string camera_position, camera_target, camera_up;
+  float fov_degrees = 0;
   double focus_distance = 0;
 };
 
+/// Three numbers with commas between. Throws UsageError, which names `option`.
+Vec3f parse_point(std::string_view text, std::string_view option);
+
 /// The two numbers on either side of `separator`. Throws UsageError, which names `option`.
 std::pair<double, double> parse_pair(std::string_view text, char separator, std::string_view option);
+
+/// Of the options that say which scene, and how it is made (scene_options.h): `command` has them. Throws
+/// UsageError.
+void check_scene_options(Arguments& arguments, const CLI::App& command);
+
+/// Makes `structures` those that were asked for, `otherwise` where none was, or all where that is none; in
+/// the order of structure_names(). Throws UsageError.
+void check_structures(Options& options, std::span<const std::string_view> otherwise = {});
+
+/// Throws UsageError for more threads than there are cores.
+void check_threads(Options& options);
 
 /// The options of `command`, the subcommand that `arguments` were read for. Throws UsageError.
 Options checked_options(Arguments arguments, const CLI::App& command);

@@ -10,34 +10,12 @@
 #include "harness/cli/pinned_threads.h"
 #include "harness/cli/render_options.h"
 #include "harness/cli/report_options.h"
+#include "harness/cli/scene_options.h"
 #include "harness/cli/usage_error.h"
 #include "harness/report/machine.h"
 
 namespace stbvh::harness {
 namespace {
-
-void add_scale_option(CLI::App& app, Arguments& a) {
-  app.add_option(
-      "--scale", a.scale,
-      "Size of the built-in scenes; 1 has as many triangles as the paper's. Default: each scene's own "
-      "(see list)");
-}
-
-/// How a scene is made that is named elsewhere.
-void add_making_options(CLI::App& app, Arguments& a) {
-  add_scale_option(app, a);
-  app.add_option("--seed", a.options.seed, "Seed of scenes and rays")->capture_default_str();
-  app.add_option("--clip", a.options.gltf.clip, "glTF: name or number of the animation. Default: the first");
-  app.add_option("--shutter", a.shutter, "glTF: A,B, the part of the clip in seconds. Default: all of it");
-  app.add_option("--shutter-mode", a.shutter_mode,
-                 "glTF: where the shutter is longer than the clip: clamp (its ends are held) or loop (it is "
-                 "played again)")
-      ->capture_default_str();
-  app.add_option("--steps", a.steps,
-                 "glTF: steps of each moving mesh; or auto:E, for each mesh as few as keep it within E times "
-                 "the diagonal of its true motion, as in auto:1e-3")
-      ->capture_default_str();
-}
 
 void add_scene_options(CLI::App& app, Arguments& a) {
   const std::size_t others = app.get_options().size();
@@ -217,15 +195,7 @@ void add_truth_and_report(CLI::App& app, Arguments& a) {
 /// The words of a command line as a shell takes them.
 std::string joined(int argc, const char* const* argv) {
   std::string text = "stbvh-ab";
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    const bool is_plain = !word.empty() && word.find_first_not_of(
-                                               "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVW"
-                                               "XYZ0123456789_-+=.,:/@%") == std::string::npos;
-    std::string quoted = "'";
-    for (char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    text += " " + (is_plain ? word : quoted + "'");
-  }
+  for (int i = 1; i < argc; ++i) text += " " + shell_word(argv[i]);
   return text;
 }
 

@@ -41,6 +41,12 @@ enum class Command {
 enum class Over { kSteps, kTriangles, kThreads };
 std::string_view over_name(Over over);
 
+/// What of the scene's camera is replaced.
+struct CameraOptions {
+  std::optional<Vec3f> position, target, up;
+  std::optional<float> fov_degrees;
+};
+
 /// All of them checked: names known, numbers in range.
 struct Options {
   Command command = Command::kList;
@@ -69,6 +75,7 @@ struct Options {
   std::string chart_format = "svg";  ///< or "png"
   std::filesystem::path directory;
   RenderSettings render;              ///< but seed and threads, which stand above
+  CameraOptions camera;               ///< of render
   std::filesystem::path output;       ///< of render: a file, or a folder
   std::filesystem::path environment;  ///< OpenEXR file; empty: what the scene brings
   bool png = false;

@@ -9,7 +9,9 @@
 #include "harness/cli/commands.h"
 #include "harness/cli/interruption.h"
 #include "harness/cli/make_folder.h"
+#include "harness/cli/picture_metadata.h"
 #include "harness/cli/progress.h"
+#include "harness/cli/render_options.h"
 #include "harness/cli/scene_source.h"
 #include "harness/cli/session.h"
 #include "harness/cli/usage_error.h"
@@ -79,32 +81,6 @@ Environment read_environment(const fs::path& path) {
   return environment;
 }
 
-void add_metadata(const Options& options, const std::string& scene, const std::string& structure,
-                  Rendering& rendering) {
-  const RenderSettings& r = options.render;
-  const Machine machine = this_machine();
-  const auto add = [&](const char* name, std::string value) {
-    rendering.image.metadata.emplace_back(name, std::move(value));
-  };
-  add("scene", scene);
-  add("structure", structure);
-  add("seed", fmt::format("{}", r.seed));
-  add("size", fmt::format("{}x{}", r.width, r.height));
-  add("spp", fmt::format("{}", r.samples_per_pixel));
-  add("shutter", fmt::format("{} to {}, opening {}, closing {}", r.shutter.open, r.shutter.close,
-                             r.shutter.opening, r.shutter.closing));
-  add("lens_radius", fmt::format("{}", r.lens.radius));
-  if (r.lens.focus_distance) add("focus_distance", fmt::format("{}", *r.lens.focus_distance));
-  if (!options.environment.empty()) add("environment", options.environment.string());
-  add("complete", rendering.is_complete ? "yes" : "no");
-  add("not_finite", fmt::format("{}", rendering.not_finite));
-  add("seconds", fmt::format("{:.3f}", rendering.seconds));
-  add("mrays_per_s", fmt::format("{:.4f}", static_cast<double>(rendering.rays) / 1e6 / rendering.seconds));
-  add("threads", fmt::format("{}", r.threads));
-  add("machine", fmt::format("{}, {} cores", machine.cpu, machine.cores));
-  add("commit", built_commit());
-}
-
 /// Renders one picture and writes it; `label` stands in front of the progress.
 void make_picture(const Options& options, const Scene& scene, const std::string& structure_name,
                   const fs::path& file, Progress& progress) {
@@ -120,9 +96,11 @@ void make_picture(const Options& options, const Scene& scene, const std::string&
                                passed * (1 - fraction) / fraction));
   };
   const Interruption interruption;
-  Rendering rendering = render(scene, *structure, options.render, show, &interruption.flag());
+  RenderSettings settings = options.render;
+  settings.camera = chosen_camera(options.camera, scene.camera);
+  Rendering rendering = render(scene, *structure, settings, show, &interruption.flag());
   progress.clear();
-  add_metadata(options, scene.name, structure_name, rendering);
+  add_metadata(settings, scene.name, structure_name, options.environment, rendering);
   write_exr(rendering.image, file);
   if (options.png) write_png(tone_mapped(rendering.image), png_beside(file));
   if (!rendering.is_complete) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <stdexcept>
 
 #include "harness/cli/usage_error.h"
 
@@ -20,7 +21,34 @@ void check_shutter_options(Arguments& a) {
   shutter.opening = shutter.closing = ramp;
 }
 
+void check_camera_options(Arguments& a, const CLI::App& command) {
+  CameraOptions& camera = a.options.camera;
+  if (command.count("--camera-position") > 0)
+    camera.position = parse_point(a.camera_position, "--camera-position");
+  if (command.count("--camera-target") > 0) camera.target = parse_point(a.camera_target, "--camera-target");
+  if (command.count("--camera-up") > 0) camera.up = parse_point(a.camera_up, "--camera-up");
+  if (command.count("--fov") == 0) return;
+  if (!(a.fov_degrees > 0 && a.fov_degrees < 180))
+    throw UsageError(fmt::format("--fov must be above 0 and below 180 degrees, not {}.", a.fov_degrees));
+  camera.fov_degrees = a.fov_degrees;
+}
+
 }  // namespace
+
+std::optional<Camera> chosen_camera(const CameraOptions& options, const Camera& scene_camera) {
+  if (!options.position && !options.target && !options.up && !options.fov_degrees) return std::nullopt;
+  const Camera camera{
+      .position = options.position.value_or(scene_camera.position),
+      .target = options.target.value_or(scene_camera.target),
+      .up = options.up.value_or(scene_camera.up),
+      .vertical_fov_degrees = options.fov_degrees.value_or(scene_camera.vertical_fov_degrees)};
+  try {
+    const LensCamera lens(camera, {}, 1, 1);
+  } catch (const std::invalid_argument&) {
+    throw UsageError("--camera-position, --camera-target, --camera-up: this camera does not look anywhere.");
+  }
+  return camera;
+}
 
 void check_size(Arguments& a) {
   const auto [width, height] = parse_pair(a.size, 'x', "--size");
@@ -66,6 +94,10 @@ void add_render_options(CLI::App& command, Arguments& a) {
                   "How it opens and closes: box (at once), trapezoid (a quarter of the time each), triangle")
       ->check(CLI::IsMember({"box", "trapezoid", "triangle"}))
       ->capture_default_str();
+  command.add_option("--camera-position", a.camera_position, "X,Y,Z instead of the scene's camera");
+  command.add_option("--camera-target", a.camera_target, "X,Y,Z that it looks at, and what is sharp");
+  command.add_option("--camera-up", a.camera_up, "X,Y,Z, the direction that is up in the picture");
+  command.add_option("--fov", a.fov_degrees, "Its vertical angle of view in degrees");
   command.add_option("--lens-radius", r.lens.radius, "In the scene's units; 0: everything is sharp")
       ->capture_default_str();
   command.add_option("--focus-distance", a.focus_distance, "Distance that is sharp")
@@ -77,6 +109,7 @@ void check_render_options(Arguments& a, const CLI::App& command) {
   if (command.count("--size") > 0) check_size(a);
   check_samples(a);
   check_shutter_options(a);
+  check_camera_options(a, command);
   if (!(r.lens.radius >= 0) || !std::isfinite(r.lens.radius)) {
     throw UsageError(fmt::format("--lens-radius must be at least 0, not {}.", r.lens.radius));
   }

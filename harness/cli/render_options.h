@@ -9,6 +9,10 @@ namespace stbvh::harness {
 
 void add_render_options(CLI::App& command, Arguments& arguments);
 
+/// `scene_camera` with what `options` replace of it; empty where that is nothing. Throws
+/// UsageError for a camera that looks nowhere.
+std::optional<Camera> chosen_camera(const CameraOptions& options, const Camera& scene_camera);
+
 /// Of --size and --spp. Throw UsageError.
 void check_size(Arguments& arguments);
 void check_samples(const Arguments& arguments);

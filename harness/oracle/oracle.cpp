@@ -139,8 +139,13 @@ std::vector<OracleAnswer> Oracle::answers(std::span<const Ray> rays) const {
 }
 
 std::optional<TriangleTest> Oracle::test(const Ray& ray, std::uint32_t geom_id, std::uint32_t prim_id) const {
-  if (geom_id >= scene_.meshes.size()) return std::nullopt;
-  const Mesh& mesh = scene_.meshes[geom_id];
+  return test_primitive(scene_, ray, geom_id, prim_id);
+}
+
+std::optional<TriangleTest> test_primitive(const Scene& scene, const Ray& ray, std::uint32_t geom_id,
+                                           std::uint32_t prim_id) {
+  if (geom_id >= scene.meshes.size()) return std::nullopt;
+  const Mesh& mesh = scene.meshes[geom_id];
   if (!is_answerable(ray) || prim_id >= mesh.triangle_count() || !can_hit(ray, mesh) ||
       !is_valid_triangle(mesh, prim_id)) {
     return std::nullopt;

@@ -50,6 +50,11 @@ struct OracleAnswer {
   bool is_certain() const { return certain_t_upper < std::numeric_limits<double>::infinity(); }
 };
 
+/// Triangle `prim_id` of mesh `geom_id` against `ray`; empty where that triangle does not exist, is invalid,
+/// or cannot be hit by the ray because of its time or mask, or because the ray hits nothing at all.
+std::optional<TriangleTest> test_primitive(const Scene& scene, const Ray& ray, std::uint32_t geom_id,
+                                           std::uint32_t prim_id);
+
 /// Answers rays over a scene that outlives it; built once, asked from any number of threads.
 class Oracle {
  public:
@@ -63,8 +68,7 @@ class Oracle {
   /// answer() for all rays, in parallel.
   std::vector<OracleAnswer> answers(std::span<const Ray> rays) const;
 
-  /// One triangle of the scene against `ray`; empty where that triangle does not exist, is invalid, or cannot
-  /// be hit by the ray because of its time or mask, or because the ray hits nothing at all.
+  /// test_primitive() of the scene.
   std::optional<TriangleTest> test(const Ray& ray, std::uint32_t geom_id, std::uint32_t prim_id) const;
 
  private:

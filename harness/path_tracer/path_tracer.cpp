@@ -62,6 +62,15 @@ FarLights far_lights(const Scene& scene, bool has_area_lights) {
   return {{lights.sun}, std::move(lights.sky)};
 }
 
+Ray to_ray(const CameraRay& ray, float time) {
+  return {.origin = to_float(ray.origin),
+          .tnear = 0,
+          .direction = to_float(ray.direction),
+          .time = time,
+          .tfar = std::numeric_limits<float>::infinity(),
+          .mask = 0xFFFFFFFFu};
+}
+
 /// The power heuristic.
 double power_weight(double density, double other) {
   const double ratio = other / density;
@@ -75,7 +84,7 @@ PathTracer::PathTracer(const Scene& scene, const StructureUnderTest& structure,
     : scene_(checked(scene)),
       structure_(structure),
       settings_(settings),
-      camera_(scene.camera, settings.lens, settings.width, settings.height),
+      camera_(settings.camera.value_or(scene.camera), settings.lens, settings.width, settings.height),
       lights_(lights_of(scene)) {
   check_shutter(settings.shutter);
   using Key = std::tuple<Material::Kind, float, float, float, float, float>;
@@ -95,6 +104,21 @@ PathTracer::PathTracer(const Scene& scene, const StructureUnderTest& structure,
   }
 }
 
+SobolSampler PathTracer::sampler_of(std::size_t x, std::size_t y, std::size_t sample) const {
+  return {settings_.seed, y * settings_.width + x, static_cast<std::uint32_t>(sample)};
+}
+
+CameraRay PathTracer::lens_ray(const SobolSampler& sampler, std::size_t x, std::size_t y) const {
+  const SamplePoint jitter = sampler.pair(kPixel);
+  return camera_.ray({static_cast<double>(x) + jitter.x, static_cast<double>(y) + jitter.y},
+                     sampler.pair(kLens));
+}
+
+Ray PathTracer::camera_ray(std::size_t x, std::size_t y, std::size_t sample) const {
+  const SobolSampler sampler = sampler_of(x, y, sample);
+  return to_ray(lens_ray(sampler, x, y), settings_.shutter.time_at(sampler.number(kTime)));
+}
+
 PathTracer::Lights PathTracer::lights_of(const Scene& scene) {
   AreaLights area(scene);
   FarLights far = far_lights(scene, !area.empty());
@@ -102,20 +126,11 @@ PathTracer::Lights PathTracer::lights_of(const Scene& scene) {
 }
 
 PathSample PathTracer::trace(std::size_t x, std::size_t y, std::size_t index) const {
-  const SobolSampler sampler(settings_.seed, y * settings_.width + x, static_cast<std::uint32_t>(index));
+  const SobolSampler sampler = sampler_of(x, y, index);
   PathSample sample;
   sample.time = settings_.shutter.time_at(sampler.number(kTime));
-  const SamplePoint jitter = sampler.pair(kPixel);
-  const CameraRay start = camera_.ray({static_cast<double>(x) + jitter.x, static_cast<double>(y) + jitter.y},
-                                      sampler.pair(kLens));
-  Walk walk{.sampler = sampler,
-            .ray = {.origin = to_float(start.origin),
-                    .tnear = 0,
-                    .direction = to_float(start.direction),
-                    .time = sample.time,
-                    .tfar = std::numeric_limits<float>::infinity(),
-                    .mask = 0xFFFFFFFFu},
-            .from = start.origin};
+  const CameraRay start = lens_ray(sampler, x, y);
+  Walk walk{.sampler = sampler, .ray = to_ray(start, sample.time), .from = start.origin};
   for (;; ++walk.bounce) {
     Hit hit;
     if (!find_hit(walk, hit, sample)) {

@@ -46,6 +46,8 @@ class PathTracer {
   /// Sample `sample` of the pixel (x, y): a function of these and the settings. May run on any number of
   /// threads at once.
   PathSample trace(std::size_t x, std::size_t y, std::size_t sample) const;
+  /// The ray with which it starts.
+  Ray camera_ray(std::size_t x, std::size_t y, std::size_t sample) const;
 
  private:
   /// How far a path has come.
@@ -73,6 +75,8 @@ class PathTracer {
   };
 
   static Lights lights_of(const Scene& scene);
+  SobolSampler sampler_of(std::size_t x, std::size_t y, std::size_t sample) const;
+  CameraRay lens_ray(const SobolSampler& sampler, std::size_t x, std::size_t y) const;
   bool find_hit(const Walk& walk, Hit& hit, PathSample& sample) const;
   FirstHit first_hit(const Hit& hit, const Surface& surface, const Ray& ray) const;
   Color escaped(const Walk& walk) const;

@@ -16,6 +16,12 @@ class PixelSums {
 
   std::uint64_t rays() const { return rays_; }
   std::uint64_t not_finite() const { return not_finite_; }
+  /// Radiance, and what the camera's rays met in the tree.
+  Color mean() const { return mean_; }
+  double nodes() const { return count_ > 0 ? static_cast<double>(counters_.nodes) / count_ : 0; }
+  double triangle_tests() const {
+    return count_ > 0 ? static_cast<double>(counters_.triangle_tests) / count_ : 0;
+  }
   /// Into the channels of `image`, made by empty_layers.
   void store(LayeredImage& image, std::size_t pixel) const;
 

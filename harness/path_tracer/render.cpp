@@ -4,7 +4,6 @@
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <mutex>
@@ -13,24 +12,10 @@
 
 #include "harness/path_tracer/path_tracer.h"
 #include "harness/path_tracer/pixel_layers.h"
+#include "harness/path_tracer/tiles.h"
 
 namespace stbvh::harness {
 namespace {
-
-constexpr std::size_t kTileSide = 16;
-
-void check_settings(const RenderSettings& settings) {
-  const auto bad_side = [](std::size_t side) { return side == 0 || side > kMaxPictureSide; };
-  if (bad_side(settings.width) || bad_side(settings.height)) {
-    throw std::invalid_argument(
-        fmt::format("A picture of {} x {} pixels cannot be made: each side is 1 to {}.", settings.width,
-                    settings.height, kMaxPictureSide));
-  }
-  if (settings.samples_per_pixel == 0 || settings.samples_per_pixel > kMaxSamplesPerPixel) {
-    throw std::invalid_argument(
-        fmt::format("A picture needs 1 to {} samples for each pixel.", kMaxSamplesPerPixel));
-  }
-}
 
 /// What tiles add to, one at a time.
 class Tally {
@@ -56,27 +41,38 @@ class Tally {
 
 }  // namespace
 
+void check_picture(const RenderSettings& settings) {
+  const auto bad_side = [](std::size_t side) { return side == 0 || side > kMaxPictureSide; };
+  if (bad_side(settings.width) || bad_side(settings.height)) {
+    throw std::invalid_argument(
+        fmt::format("A picture of {} x {} pixels cannot be made: each side is 1 to {}.", settings.width,
+                    settings.height, kMaxPictureSide));
+  }
+  if (settings.samples_per_pixel == 0 || settings.samples_per_pixel > kMaxSamplesPerPixel) {
+    throw std::invalid_argument(
+        fmt::format("A picture needs 1 to {} samples for each pixel.", kMaxSamplesPerPixel));
+  }
+}
+
 Rendering render(const Scene& scene, const StructureUnderTest& structure, const RenderSettings& settings,
                  const RenderProgress& progress, const std::atomic<bool>* stop) {
-  check_settings(settings);
+  check_picture(settings);
   const PathTracer tracer(scene, structure, settings);
   Rendering rendering;
   rendering.image = empty_layers(settings.width, settings.height, structure.has_counters());
-  const std::size_t tiles_x = (settings.width + kTileSide - 1) / kTileSide;
-  const std::size_t tiles_y = (settings.height + kTileSide - 1) / kTileSide;
-  Tally tally(rendering, tiles_x * tiles_y, progress);
+  const Tiling tiles(settings.width, settings.height);
+  Tally tally(rendering, tiles.count(), progress);
   std::optional<tbb::global_control> thread_limit;
   if (settings.threads > 0) {
     thread_limit.emplace(tbb::global_control::max_allowed_parallelism, settings.threads);
   }
   const auto start = std::chrono::steady_clock::now();
-  tbb::parallel_for(std::size_t{0}, tiles_x * tiles_y, [&](std::size_t tile) {
+  tbb::parallel_for(std::size_t{0}, tiles.count(), [&](std::size_t index) {
     if (stop != nullptr && stop->load()) return;
-    const std::size_t x0 = tile % tiles_x * kTileSide, x1 = std::min(x0 + kTileSide, settings.width);
-    const std::size_t y0 = tile / tiles_x * kTileSide, y1 = std::min(y0 + kTileSide, settings.height);
+    const Tile tile = tiles[index];
     std::uint64_t rays = 0, not_finite = 0;
-    for (std::size_t y = y0; y < y1; ++y) {
-      for (std::size_t x = x0; x < x1; ++x) {
+    for (std::size_t y = tile.y0; y < tile.y1; ++y) {
+      for (std::size_t x = tile.x0; x < tile.x1; ++x) {
         PixelSums sums;
         for (std::size_t i = 0; i < settings.samples_per_pixel; ++i) sums.add(tracer.trace(x, y, i));
         sums.store(rendering.image, y * settings.width + x);

@@ -24,6 +24,9 @@ struct Rendering {
   bool is_complete = true;  ///< false: it was stopped
 };
 
+/// Throws std::invalid_argument for a size or a number of samples that no picture has.
+void check_picture(const RenderSettings& settings);
+
 /// Told the fraction done, 0 to 1, never decreasing, one call at a time but from any thread.
 using RenderProgress = std::function<void(double fraction)>;
 

@@ -44,7 +44,21 @@ void EmbreeDevice::check() const {
   const RTCError error = rtcGetDeviceError(device_);
   if (error == RTC_ERROR_NONE) return;
   if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  if (error == RTC_ERROR_CANCELLED) throw BuildCancelled();
   throw std::runtime_error(fmt::format("Embree reports error {}: {}.", static_cast<int>(error), last_error_));
+}
+
+bool report_progress(void* progress, double fraction) {
+  return (*static_cast<const BuildProgress*>(progress))(fraction);
+}
+
+void commit_scene(const EmbreeDevice& device, RTCScene scene, const BuildProgress& progress) {
+  if (progress) {
+    rtcSetSceneProgressMonitorFunction(scene, report_progress, const_cast<BuildProgress*>(&progress));
+  }
+  rtcCommitScene(scene);
+  rtcSetSceneProgressMonitorFunction(scene, nullptr, nullptr);
+  device.check();
 }
 
 GeometryPtr new_triangle_geometry(const EmbreeDevice& device, const Mesh& mesh, std::size_t first_step,
@@ -66,7 +80,8 @@ GeometryPtr new_triangle_geometry(const EmbreeDevice& device, const Mesh& mesh, 
   return geometry;
 }
 
-ScenePtr new_triangle_scene(const EmbreeDevice& device, const Scene& scene, RTCSceneFlags flags) {
+ScenePtr new_triangle_scene(const EmbreeDevice& device, const Scene& scene, RTCSceneFlags flags,
+                            const BuildProgress& progress) {
   ScenePtr result = device.new_scene(flags);
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
     const Mesh& mesh = scene.meshes[i];
@@ -74,8 +89,7 @@ ScenePtr new_triangle_scene(const EmbreeDevice& device, const Scene& scene, RTCS
     const GeometryPtr geometry = new_triangle_geometry(device, mesh, 0, mesh.steps.size(), mesh.time_range);
     rtcAttachGeometryByID(result.get(), geometry.get(), static_cast<unsigned>(i));
   }
-  rtcCommitScene(result.get());
-  device.check();
+  commit_scene(device, result.get(), progress);
   return result;
 }
 

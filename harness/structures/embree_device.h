@@ -10,6 +10,7 @@
 
 #include "harness/scenes/scene.h"
 #include "harness/structures/memory_monitor.h"
+#include "harness/structures/structure_under_test.h"
 
 namespace stbvh::harness {
 
@@ -45,12 +46,19 @@ class EmbreeDevice {
   RTCDevice device_ = nullptr;
 };
 
+/// A BuildProgress as Embree and the plugin take it: `progress` points to one.
+bool report_progress(void* progress, double fraction);
+
+/// Commits `scene`. Throws BuildCancelled where `progress` returned false.
+void commit_scene(const EmbreeDevice& device, RTCScene scene, const BuildProgress& progress);
+
 /// Steps `first_step` to `first_step + step_count - 1` of `mesh` over `time_range` as Embree's own triangles,
 /// on the mesh's own buffers, committed.
 GeometryPtr new_triangle_geometry(const EmbreeDevice& device, const Mesh& mesh, std::size_t first_step,
                                   std::size_t step_count, TimeRange time_range);
 
 /// Embree's own triangles over all meshes of `scene` that have any, geomIDs as in `scene`, committed.
-ScenePtr new_triangle_scene(const EmbreeDevice& device, const Scene& scene, RTCSceneFlags flags);
+ScenePtr new_triangle_scene(const EmbreeDevice& device, const Scene& scene, RTCSceneFlags flags,
+                            const BuildProgress& progress = {});
 
 }  // namespace stbvh::harness

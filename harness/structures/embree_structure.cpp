@@ -6,10 +6,10 @@
 namespace stbvh::harness {
 
 EmbreeStructure::EmbreeStructure(const Scene& scene, std::string_view device_options, RTCSceneFlags flags,
-                                 unsigned threads)
+                                 unsigned threads, const BuildProgress& progress)
     : device_(device_options, threads) {
   const BuildMeter meter(threads);
-  scene_ = new_triangle_scene(device_, scene, flags);
+  scene_ = new_triangle_scene(device_, scene, flags, progress);
   record_.build_s = meter.seconds();
   record_.structure_bytes = record_.monitor_bytes = device_.memory().current_bytes();
   record_.peak_bytes = device_.memory().peak_bytes();

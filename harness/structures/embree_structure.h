@@ -13,7 +13,8 @@ inline constexpr std::string_view kVertexLeaves = "tri_accel_mb=bvh8.triangle4vm
 
 class EmbreeStructure final : public StructureUnderTest {
  public:
-  EmbreeStructure(const Scene& scene, std::string_view device_options, RTCSceneFlags flags, unsigned threads);
+  EmbreeStructure(const Scene& scene, std::string_view device_options, RTCSceneFlags flags, unsigned threads,
+                  const BuildProgress& progress);
 
   const BuildRecord& build_record() const override { return record_; }
   void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override;

@@ -51,11 +51,12 @@ void TimeWindows::add_mesh(const Mesh& mesh, std::size_t index) {
   }
 }
 
-Lbvh::Lbvh(const Scene& scene, std::string_view device_options, unsigned threads)
+Lbvh::Lbvh(const Scene& scene, std::string_view device_options, unsigned threads,
+           const BuildProgress& progress)
     : device_(device_options, threads), times_(scene) {
   const BuildMeter meter(threads);
-  build_static(scene);
-  build_windows(scene);
+  build_static(scene, progress);
+  build_windows(scene, progress);
   device_.check();
   record_.build_s = meter.seconds();
   record_.structure_bytes = record_.monitor_bytes = device_.memory().current_bytes();
@@ -63,7 +64,15 @@ Lbvh::Lbvh(const Scene& scene, std::string_view device_options, unsigned threads
   record_.resident_bytes = meter.resident_growth();
 }
 
-void Lbvh::build_static(const Scene& scene) {
+BuildProgress Lbvh::part_of(const BuildProgress& progress, std::size_t part) const {
+  if (!progress) return {};
+  const auto parts = static_cast<double>(times_.count() + 1);
+  return [&progress, parts, first = static_cast<double>(part)](double fraction) {
+    return progress((first + fraction) / parts);
+  };
+}
+
+void Lbvh::build_static(const Scene& scene, const BuildProgress& progress) {
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
     const Mesh& mesh = scene.meshes[i];
     if (!mesh.is_static() || mesh.triangle_count() == 0) continue;
@@ -71,10 +80,10 @@ void Lbvh::build_static(const Scene& scene) {
     const GeometryPtr geometry = new_triangle_geometry(device_, mesh, 0, 1, mesh.time_range);
     rtcAttachGeometryByID(static_scene_.get(), geometry.get(), static_cast<unsigned>(i));
   }
-  if (static_scene_) rtcCommitScene(static_scene_.get());
+  if (static_scene_) commit_scene(device_, static_scene_.get(), part_of(progress, 0));
 }
 
-void Lbvh::build_windows(const Scene& scene) {
+void Lbvh::build_windows(const Scene& scene, const BuildProgress& progress) {
   std::vector<std::vector<GeometryPtr>> geometries(scene.meshes.size());  // shared by the windows
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) geometries[i].resize(scene.meshes[i].segment_count());
   for (std::size_t w = 0; w < times_.count(); ++w) {
@@ -89,8 +98,7 @@ void Lbvh::build_windows(const Scene& scene) {
                             static_cast<unsigned>(window.mesh_of_geometry.size()));
       window.mesh_of_geometry.push_back(static_cast<std::uint32_t>(s.mesh));
     }
-    rtcCommitScene(window.scene.get());
-    device_.check();
+    commit_scene(device_, window.scene.get(), part_of(progress, w + 1));
     windows_.push_back(std::move(window));
   }
 }

@@ -55,7 +55,7 @@ TimeRange segment_time_range(const Mesh& mesh, std::size_t segment);
 
 class Lbvh final : public StructureUnderTest {
  public:
-  Lbvh(const Scene& scene, std::string_view device_options, unsigned threads);
+  Lbvh(const Scene& scene, std::string_view device_options, unsigned threads, const BuildProgress& progress);
 
   const BuildRecord& build_record() const override { return record_; }
   void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
@@ -69,8 +69,10 @@ class Lbvh final : public StructureUnderTest {
     std::vector<std::uint32_t> mesh_of_geometry;
   };
 
-  void build_static(const Scene& scene);
-  void build_windows(const Scene& scene);
+  /// `progress` of the scene of what stands still (part 0), or of a window.
+  BuildProgress part_of(const BuildProgress& progress, std::size_t part) const;
+  void build_static(const Scene& scene, const BuildProgress& progress);
+  void build_windows(const Scene& scene, const BuildProgress& progress);
 
   EmbreeDevice device_;
   TimeWindows times_;

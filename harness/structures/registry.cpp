@@ -13,14 +13,14 @@ namespace {
 using StructurePtr = std::unique_ptr<StructureUnderTest>;
 
 template <RTCSceneFlags kFlags>
-StructurePtr build_embree(const Scene& scene, unsigned threads) {
-  return std::make_unique<EmbreeStructure>(scene, "", kFlags, threads);
+StructurePtr build_embree(const Scene& scene, unsigned threads, const BuildProgress& progress) {
+  return std::make_unique<EmbreeStructure>(scene, "", kFlags, threads, progress);
 }
 
 struct Entry {
   std::string_view name;
   std::string_view description;
-  StructurePtr (*build)(const Scene& scene, unsigned threads);
+  StructurePtr (*build)(const Scene& scene, unsigned threads, const BuildProgress& progress);
 };
 
 constexpr std::array<Entry, 13> kEntries{{
@@ -29,45 +29,46 @@ constexpr std::array<Entry, 13> kEntries{{
     {"embree-robust", "the same with the flag ROBUST", build_embree<RTC_SCENE_FLAG_ROBUST>},
     {"embree-compact", "the same with the flag COMPACT", build_embree<RTC_SCENE_FLAG_COMPACT>},
     {"embree-4v", "the same with the vertices in its leaves (bvh8.triangle4vmb)",
-     [](const Scene& scene, unsigned threads) -> StructurePtr {
-       return std::make_unique<EmbreeStructure>(scene, kVertexLeaves, RTC_SCENE_FLAG_NONE, threads);
+     [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
+       return std::make_unique<EmbreeStructure>(scene, kVertexLeaves, RTC_SCENE_FLAG_NONE, threads, progress);
      }},
     {"lbvh", "a tree of linear motion for each time segment, made of Embree's",
-     [](const Scene& scene, unsigned threads) -> StructurePtr {
-       return std::make_unique<Lbvh>(scene, "", threads);
+     [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
+       return std::make_unique<Lbvh>(scene, "", threads, progress);
      }},
     {"lbvh-4v", "the same with the vertices in its leaves",
-     [](const Scene& scene, unsigned threads) -> StructurePtr {
-       return std::make_unique<Lbvh>(scene, kVertexLeaves, threads);
+     [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
+       return std::make_unique<Lbvh>(scene, kVertexLeaves, threads, progress);
      }},
     {"stbvh", "our plugin, as an application attaches it to Embree",
-     [](const Scene& scene, unsigned threads) -> StructurePtr {
-       return std::make_unique<StbvhPlugin>(scene, PluginSettings{}, threads);
+     [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
+       return std::make_unique<StbvhPlugin>(scene, PluginSettings{}, threads, progress);
      }},
     {"stbvh-fast", "the same with the precision FAST: not watertight",
-     [](const Scene& scene, unsigned threads) -> StructurePtr {
-       return std::make_unique<StbvhPlugin>(scene, PluginSettings{.precision = STBVH_PRECISION_FAST},
-                                            threads);
+     [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
+       return std::make_unique<StbvhPlugin>(scene, PluginSettings{.precision = STBVH_PRECISION_FAST}, threads,
+                                            progress);
      }},
     {"stbvh-compact", "our plugin with a quarter of the vertices in the leaves: smaller, slower",
-     [](const Scene& scene, unsigned threads) -> StructurePtr {
-       return std::make_unique<StbvhPlugin>(scene, PluginSettings{.inline_share = 0.25f}, threads);
+     [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
+       return std::make_unique<StbvhPlugin>(scene, PluginSettings{.inline_share = 0.25f}, threads, progress);
      }},
     {"stbvh-direct", "our kernels without Embree; the vertices in the leaves, as in the plugin",
-     [](const Scene& scene, unsigned threads) -> StructurePtr {
-       return std::make_unique<StbvhDirect>(scene, BuildSettings{}, threads);
+     [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
+       return std::make_unique<StbvhDirect>(scene, BuildSettings{}, threads, progress);
      }},
     {"stbvh-direct-fast", "our kernels without Embree, not watertight",
-     [](const Scene& scene, unsigned threads) -> StructurePtr {
-       return std::make_unique<StbvhDirect>(scene, BuildSettings{.precision = Precision::kFast}, threads);
+     [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
+       return std::make_unique<StbvhDirect>(scene, BuildSettings{.precision = Precision::kFast}, threads,
+                                            progress);
      }},
     {"stbvh-direct-indexed", "our kernels without Embree; vertex indices in the leaves: smaller, slower",
-     [](const Scene& scene, unsigned threads) -> StructurePtr {
-       return std::make_unique<StbvhDirect>(scene, BuildSettings{.inline_share = 0.0f}, threads);
+     [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
+       return std::make_unique<StbvhDirect>(scene, BuildSettings{.inline_share = 0.0f}, threads, progress);
      }},
     {"stbvh-direct-scalar", "our kernels without Embree and without vector instructions",
-     [](const Scene& scene, unsigned threads) -> StructurePtr {
-       return std::make_unique<StbvhDirect>(scene, BuildSettings{}, threads, Isa::kScalar);
+     [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
+       return std::make_unique<StbvhDirect>(scene, BuildSettings{}, threads, progress, Isa::kScalar);
      }},
 }};
 
@@ -95,9 +96,9 @@ bool is_exact(std::string_view name) {
 }
 
 std::unique_ptr<StructureUnderTest> build_structure(std::string_view name, const Scene& scene,
-                                                    unsigned threads) {
+                                                    unsigned threads, const BuildProgress& progress) {
   for (const Entry& entry : kEntries) {
-    if (entry.name == name) return entry.build(scene, threads);
+    if (entry.name == name) return entry.build(scene, threads, progress);
   }
   throw unknown_structure(name);
 }

@@ -5,7 +5,7 @@
 namespace stbvh::harness {
 
 StbvhDirect::StbvhDirect(const Scene& scene, const BuildSettings& settings, unsigned threads,
-                         std::optional<Isa> isa)
+                         const BuildProgress& progress, std::optional<Isa> isa)
     : isa_(isa) {
   const BuildMeter meter(threads);
   std::vector<std::vector<VertexBufferView>> steps(scene.meshes.size());
@@ -24,7 +24,8 @@ StbvhDirect::StbvhDirect(const Scene& scene, const BuildSettings& settings, unsi
                      .mask = mesh.mask,
                      .geom_id = static_cast<std::uint32_t>(i)});
   }
-  structure_ = Structure::build(views, settings);
+  structure_ = Structure::build(
+      views, settings, {.allocate = {}, .release = {}, .temporary_memory = {}, .progress = progress});
   record_.build_s = meter.seconds();
   record_.structure_bytes = structure_->statistics().structure_bytes;
   record_.peak_bytes = structure_->statistics().peak_bytes;

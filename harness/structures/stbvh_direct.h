@@ -12,7 +12,7 @@ class StbvhDirect final : public StructureUnderTest {
  public:
   /// Traces on the default instruction set unless `isa`, one of available_isas(), is given.
   StbvhDirect(const Scene& scene, const BuildSettings& settings, unsigned threads,
-              std::optional<Isa> isa = std::nullopt);
+              const BuildProgress& progress, std::optional<Isa> isa = std::nullopt);
 
   const BuildRecord& build_record() const override { return record_; }
   void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
@@ -22,6 +22,7 @@ class StbvhDirect final : public StructureUnderTest {
   /// The counting traversal is that of the default instruction set.
   bool has_counters() const override { return !isa_; }
   bool intersect_one_counted(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
+  const Structure* tree() const override { return structure_.get(); }
 
  private:
   std::unique_ptr<Structure> structure_;

@@ -10,7 +10,8 @@
 
 namespace stbvh::harness {
 
-StbvhPlugin::StbvhPlugin(const Scene& scene, const PluginSettings& settings, unsigned threads)
+StbvhPlugin::StbvhPlugin(const Scene& scene, const PluginSettings& settings, unsigned threads,
+                         const BuildProgress& progress)
     : device_("", threads) {
   const BuildMeter meter(threads);
   geometry_.reset(stbvhNewGeometry(device_.get()));
@@ -20,7 +21,11 @@ StbvhPlugin::StbvhPlugin(const Scene& scene, const PluginSettings& settings, uns
   }
   check(stbvhSetGeometryPrecision(geometry_.get(), settings.precision));
   check(stbvhSetGeometryInlineShare(geometry_.get(), settings.inline_share));
+  if (progress) {
+    check(stbvhSetProgressFunction(geometry_.get(), report_progress, const_cast<BuildProgress*>(&progress)));
+  }
   check(stbvhCommitGeometry(geometry_.get()));
+  check(stbvhSetProgressFunction(geometry_.get(), nullptr, nullptr));
   scene_ = device_.new_scene(RTC_SCENE_FLAG_NONE);
   rtcAttachGeometry(scene_.get(), stbvhGetGeometry(geometry_.get()));
   rtcCommitScene(scene_.get());
@@ -55,6 +60,7 @@ void StbvhPlugin::add_mesh(const Mesh& mesh, unsigned geom_id) {
 void StbvhPlugin::check(RTCError error) const {
   if (error == RTC_ERROR_NONE) return;
   if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+  if (error == RTC_ERROR_CANCELLED) throw BuildCancelled();
   throw std::runtime_error(fmt::format("The plugin reports error {}: {}", static_cast<int>(error),
                                        stbvhGetErrorMessage(geometry_.get())));
 }

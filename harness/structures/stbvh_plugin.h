@@ -19,7 +19,8 @@ struct PluginSettings {
 
 class StbvhPlugin final : public StructureUnderTest {
  public:
-  StbvhPlugin(const Scene& scene, const PluginSettings& settings, unsigned threads);
+  StbvhPlugin(const Scene& scene, const PluginSettings& settings, unsigned threads,
+              const BuildProgress& progress);
 
   const BuildRecord& build_record() const override { return record_; }
   void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override;

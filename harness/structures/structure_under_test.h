@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -20,6 +21,9 @@ struct BuildRecord {
   std::size_t peak_bytes = 0;         ///< largest during the build, as the structure's own monitor counts
   std::ptrdiff_t resident_bytes = 0;  ///< growth of the process's resident memory over the build
 };
+
+/// Told the fraction done, 0 to 1, from any thread, also from several at once; false cancels the build.
+using BuildProgress = std::function<bool(double fraction)>;
 
 class StructureUnderTest {
  public:
@@ -43,6 +47,8 @@ class StructureUnderTest {
     static_cast<void>(counters);
     return intersect_one(ray, hit);
   }
+  /// The tree itself, of our own kernels where nothing stands between; else null.
+  virtual const Structure* tree() const { return nullptr; }
 };
 
 /// Names of all structures, in the order in which tables print them.
@@ -55,8 +61,8 @@ std::string_view structure_description(std::string_view name);
 bool is_exact(std::string_view name);
 
 /// Builds the structure `name` over `scene`, which must outlive it, with `threads` build threads (0: all).
-/// Throws std::invalid_argument for an unknown name.
+/// Throws std::invalid_argument for an unknown name, BuildCancelled where `progress` returned false.
 std::unique_ptr<StructureUnderTest> build_structure(std::string_view name, const Scene& scene,
-                                                    unsigned threads);
+                                                    unsigned threads, const BuildProgress& progress = {});
 
 }  // namespace stbvh::harness

@@ -86,17 +86,48 @@ TEST_F(RenderCommand, IsLitByAnEnvironment) {
 }
 
 TEST_F(RenderCommand, RefusesWhatCannotBe) {
-  for (const char* bad :
-       {"", "-o /proc/none/a.exr", "-o /no/such/directory/a.exr", "-o a.png --png", "-o a.exr --size 0x5",
-        "-o a.exr --size 5", "-o a.exr --size 5x1e9", "-o a.exr --spp 0", "-o a.exr --spp 1000000",
-        "-o a.exr --structures stbhv", "-o a.exr --shutter-open 0.7 --shutter-close 0.3",
-        "-o a.exr --shutter-close 2", "-o a.exr --shutter-open nan", "-o a.exr --shutter-curve sine",
-        "-o a.exr --lens-radius -1", "-o a.exr --focus-distance 0", "-o a.exr --threads 0"}) {
+  for (const char* bad : {"",
+                          "-o /proc/none/a.exr",
+                          "-o /no/such/directory/a.exr",
+                          "-o a.png --png",
+                          "-o a.exr --size 0x5",
+                          "-o a.exr --size 5",
+                          "-o a.exr --size 5x1e9",
+                          "-o a.exr --spp 0",
+                          "-o a.exr --spp 1000000",
+                          "-o a.exr --structures stbhv",
+                          "-o a.exr --shutter-open 0.7 --shutter-close 0.3",
+                          "-o a.exr --shutter-close 2",
+                          "-o a.exr --shutter-open nan",
+                          "-o a.exr --shutter-curve sine",
+                          "-o a.exr --lens-radius -1",
+                          "-o a.exr --fov 180",
+                          "-o a.exr --camera-position 1,2",
+                          "-o a.exr --camera-target 1,2,nan",
+                          "-o a.exr --camera-up=0,0,0",
+                          "-o a.exr --camera-up 1,2,3,4",
+                          "-o a.exr --camera-position=1,1,1 --camera-target=1,1,1",
+                          "-o a.exr --focus-distance 0",
+                          "-o a.exr --threads 0"}) {
     const Outcome run = stbvh_ab(std::string("render --scenes wheels --scale 0.01 ") + bad);
     EXPECT_EQ(run.exit_code, 2) << bad << ": " << run.out;
     EXPECT_NE(run.out.find("stbvh-ab: "), std::string::npos) << run.out;
   }
   EXPECT_FALSE(fs::exists("a.exr"));
+}
+
+TEST_F(RenderCommand, TakesACameraInsteadOfTheScenes) {
+  ASSERT_EQ(stbvh_ab(small_ + "-o " + in_folder("scene.exr")).exit_code, 0);
+  ASSERT_EQ(stbvh_ab(small_ + "--fov 10 -o " + in_folder("narrow.exr")).exit_code, 0);
+  // Straight up: nothing but the sky, which stays where the scene's own camera puts its sun.
+  ASSERT_EQ(
+      stbvh_ab(small_ + "--camera-position=0,500,0 --camera-target=0,501,0.1 -o " + in_folder("sky.exr"))
+          .exit_code,
+      0);
+  EXPECT_NE(*read_exr(folder_ / "scene.exr").find("R"), *read_exr(folder_ / "narrow.exr").find("R"));
+  const LayeredImage sky = read_exr(folder_ / "sky.exr");
+  for (float depth : *sky.find("depth.Z")) EXPECT_EQ(depth, 0);
+  EXPECT_NE(metadata(folder_ / "sky.exr")["camera"].find("position 0,500,0"), std::string::npos);
 }
 
 TEST_F(RenderCommand, ReportsAFullDisk) {

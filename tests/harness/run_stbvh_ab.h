@@ -15,9 +15,8 @@ struct Outcome {
   std::string out;  ///< stdout and stderr
 };
 
-/// Runs the built program.
-inline Outcome stbvh_ab(const std::string& arguments) {
-  const std::string command = std::string(STBVH_AB) + " " + arguments + " 2>&1";
+/// Runs a command of the shell.
+inline Outcome run_command(const std::string& command) {
   FILE* pipe = popen(command.c_str(), "r");
   Outcome run{-1, ""};
   char buffer[4096];
@@ -25,6 +24,11 @@ inline Outcome stbvh_ab(const std::string& arguments) {
   const int status = pclose(pipe);
   if (WIFEXITED(status)) run.exit_code = WEXITSTATUS(status);
   return run;
+}
+
+/// Runs the built program.
+inline Outcome stbvh_ab(const std::string& arguments) {
+  return run_command(std::string(STBVH_AB) + " " + arguments + " 2>&1");
 }
 
 /// What cannot be done ends with one line that holds `reason`, and exit code 2.

@@ -12,6 +12,7 @@
 
 #include "stbvh/isa.h"
 #include "stbvh/mesh_view.h"
+#include "stbvh/node_visitor.h"
 
 namespace stbvh {
 
@@ -142,6 +143,9 @@ class Structure {
   virtual Box3f bounds_at(float time) const = 0;
 
   virtual const BuildStatistics& statistics() const = 0;
+
+  /// Shows all nodes and leaves to `visitor`, from the root down; none of an empty structure.
+  virtual void visit_nodes(NodeVisitor& visitor) const = 0;
 
   /// Hash of all nodes and leaves: equal for equal trees.
   virtual std::uint64_t tree_hash() const = 0;

@@ -1,0 +1,207 @@
+/// The preview's model with its threads: opening, building, cancelling, saving.
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
+
+#include "harness/cli/usage_error.h"
+#include "harness/images/exr_file.h"
+#include "harness/preview/preview_model.h"
+#include "tests/harness/run_stbvh_ab.h"
+#include "tests/harness/temporary_folder.h"
+
+namespace stbvh::harness {
+namespace {
+
+class PreviewModelTest : public ::testing::Test {
+ protected:
+  static Options options(double scale = 0.01) {
+    Options o;
+    o.scale = scale;
+    o.scene_words = {"--scale", std::to_string(scale)};
+    o.threads = 2;
+    o.structures = {"stbvh-direct", "embree"};
+    return o;
+  }
+
+  /// Lives as a window would let it, until `is_done`; false where that never comes.
+  template <typename IsDone>
+  static bool live(PreviewModel& model, const IsDone& is_done) {
+    const auto start = std::chrono::steady_clock::now();
+    while (std::chrono::steady_clock::now() - start < std::chrono::seconds(120)) {
+      model.update(0.01, 80, 50);
+      model.view();
+      if (is_done()) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    return false;
+  }
+  static bool wait(PreviewModel& model, std::size_t samples) {
+    return live(model, [&] { return model.has_samples(samples); });
+  }
+  static bool wait_idle(PreviewModel& model) {
+    return live(model, [&] { return !model.load_progress().is_busy; });
+  }
+
+  const TemporaryFolder owner_;
+  const fs::path& folder_ = owner_.path();
+};
+
+TEST_F(PreviewModelTest, ShowsASceneThroughTwoStructures) {
+  PreviewModel model(options(), 4);
+  EXPECT_TRUE(model.view().image.rgb.empty());
+  model.open("wheels");
+  ASSERT_TRUE(wait(model, 4));
+  EXPECT_EQ(model.message(), "");
+  EXPECT_EQ(model.view().image.width, 80u);
+  ASSERT_TRUE(model.state().structures[1]);
+  EXPECT_EQ(model.state().structures[1]->name, "embree");
+  EXPECT_EQ(model.state().figures.compared, 4u * 80 * 50);
+  EXPECT_EQ(model.state().figures.leaks[0], 0u);
+  EXPECT_EQ(model.load_progress().builds, 2u);
+}
+
+TEST_F(PreviewModelTest, PlaysAllFramesThroughOneStructure) {
+  PreviewModel model(options(), 4);
+  model.open("static-city");
+  ASSERT_TRUE(wait(model, 1));
+  model.animation.is_playing = true;
+  model.animation.frames = 8;
+  model.animation.seconds = 0.4;
+  const std::uint64_t first = model.state().picture_number;
+  EXPECT_TRUE(
+      live(model, [&] { return model.frames_played() > 16 && model.state().picture_number > first + 3; }));
+  EXPECT_EQ(model.load_progress().builds, 2u) << "nothing is built again";
+}
+
+TEST_F(PreviewModelTest, WhatCannotBeOpenedLeavesTheLastScene) {
+  std::ofstream(folder_ / "broken.glb") << "glTF, but no more of it";
+  std::ofstream(folder_ / "broken.xml") << "<scene><Triangle";
+  PreviewModel model(options(), 2);
+  model.open("wheels");
+  ASSERT_TRUE(wait(model, 2));
+  for (const char* name : {"broken.glb", "broken.xml", "missing.glb", "text.txt"}) {
+    model.open((folder_ / name).string());
+    ASSERT_TRUE(wait_idle(model));
+    EXPECT_NE(model.message(), "") << name;
+    EXPECT_EQ(model.message().find('\n'), std::string::npos) << name;
+    EXPECT_EQ(model.state().structures[0]->scene->name, "wheels");
+    EXPECT_TRUE(wait(model, 2));
+  }
+  model.open("static-city");
+  ASSERT_TRUE(wait(model, 2));
+  EXPECT_EQ(model.message(), "");
+  EXPECT_EQ(model.state().structures[0]->scene->name, "static-city");
+}
+
+TEST_F(PreviewModelTest, StructuresAreChangedOneByOne) {
+  PreviewModel model(options(), 2);
+  model.open("wheels");
+  ASSERT_TRUE(wait(model, 2));
+  const BuiltStructurePtr a = model.state().structures[0];
+  model.choose_structure(1, "lbvh");
+  ASSERT_TRUE(wait(model, 2));
+  EXPECT_EQ(model.state().structures[0], a) << "it is not built again";
+  EXPECT_EQ(model.state().structures[1]->name, "lbvh");
+  model.choose_structure(1, "");
+  ASSERT_TRUE(wait(model, 2));
+  EXPECT_FALSE(model.state().structures[1]);
+  EXPECT_THROW(model.choose_structure(0, "stbhv"), UsageError);
+  EXPECT_THROW(model.choose_structure(0, ""), UsageError);
+  model.choose_structure(0, "embree");
+  ASSERT_TRUE(wait(model, 2));
+  EXPECT_EQ(model.tree(), nullptr);
+}
+
+TEST_F(PreviewModelTest, CancelsABuildOfEachKind) {
+  for (const char* name : {"stbvh-direct", "stbvh", "embree", "lbvh"}) {
+    Options o = options(1);
+    o.structures = {name};
+    PreviewModel model(o, 2);
+    model.open("wheels");
+    const auto is_building = [&] {
+      const LoadProgress p = model.load_progress();
+      return !p.is_busy || (p.stage.find("building") != std::string::npos && p.fraction > 0);
+    };
+    ASSERT_TRUE(live(model, is_building));
+    model.cancel();
+    ASSERT_TRUE(wait_idle(model));
+    EXPECT_EQ(model.message(), "Cancelled.") << name;
+    EXPECT_FALSE(model.state().structures[0]);
+  }
+}
+
+TEST_F(PreviewModelTest, EndsWhileBuildingAndWhileOpeningAgainAndAgain) {
+  for (int i = 0; i < 5; ++i) {
+    PreviewModel model(options(0.05), 2);
+    for (const char* name : {"static-city", "wheels", "static-city"}) {
+      model.open(name);
+      model.update(0.01, 33, 17);
+      std::this_thread::sleep_for(std::chrono::milliseconds(3 * i));
+    }
+  }
+}
+
+TEST_F(PreviewModelTest, SavesWhatItsCommandMakesAgain) {
+  PreviewModel model(options(), 3);
+  model.open("wheels");
+  ASSERT_TRUE(wait(model, 1));
+  model.camera.orbit(25, 10);
+  model.camera.dolly(0.8);
+  model.animation.is_whole = false;
+  model.animation.scrub(0.3);
+  model.lens_radius = 0.01;
+  ASSERT_TRUE(wait(model, 3));
+  model.save(folder_ / "view");
+  ASSERT_TRUE(live(model, [&] { return !model.is_saving(); }));
+  EXPECT_NE(model.message().find("Saved"), std::string::npos) << model.message();
+  EXPECT_GT(fs::file_size(folder_ / "view.png"), 100u);
+  std::string command = model.command_line();
+  ASSERT_TRUE(command.starts_with("stbvh-ab render ")) << command;
+  command = command.substr(9, command.find(" -o ") - 9) + " -o " + (folder_ / "again").string();
+  const Outcome run = stbvh_ab(command);
+  ASSERT_EQ(run.exit_code, 0) << run.out;
+  for (const auto& [mine, theirs] :
+       {std::pair{"view.exr", "wheels-stbvh-direct.exr"}, std::pair{"view-b.exr", "wheels-embree.exr"}}) {
+    const LayeredImage saved = read_exr(folder_ / mine), again = read_exr(folder_ / "again" / theirs);
+    ASSERT_EQ(saved.channels.size(), again.channels.size());
+    for (const Channel& channel : saved.channels) {
+      ASSERT_NE(again.find(channel.name), nullptr);
+      EXPECT_EQ(channel.values, *again.find(channel.name)) << channel.name;
+    }
+  }
+}
+
+TEST_F(PreviewModelTest, SaysWhereItCannotSave) {
+  PreviewModel model(options(), 1);
+  model.save(folder_ / "early");
+  EXPECT_NE(model.message(), "");
+  model.open("wheels");
+  ASSERT_TRUE(wait(model, 1));
+  model.save("/nowhere/at/all");
+  EXPECT_NE(model.message().find("/nowhere"), std::string::npos) << model.message();
+  EXPECT_FALSE(model.is_saving());
+}
+
+TEST_F(PreviewModelTest, FocusesAndPicksWhatIsUnderThePointer) {
+  PreviewModel model(options(), 1);
+  EXPECT_FALSE(model.focus(0.5, 0.5));
+  model.open("static-city");
+  ASSERT_TRUE(wait(model, 1));
+  const Camera before = model.camera.camera();
+  ASSERT_TRUE(model.focus(0.5, 0.6));
+  const Camera after = model.camera.camera();
+  EXPECT_EQ(before.position.x, after.position.x);
+  ASSERT_TRUE(model.pick_subtree(0.5, 0.6));
+  model.tree_options.subtree_level = 2;
+  const TimeLine line = model.time_line();
+  EXPECT_FALSE(line.nodes.empty());
+  model.tree_options.subtree_level = 0;
+  EXPECT_GT(model.time_line().nodes.size(), 0u);
+}
+
+}  // namespace
+}  // namespace stbvh::harness
