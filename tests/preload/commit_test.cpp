@@ -156,7 +156,7 @@ TEST(PreloadMonitors, ProgressGrowsToOne) {
 }
 
 TEST(PreloadMonitors, ACancelledBuildReportsOneErrorAndLeaksNothing) {
-  const std::vector<Mesh> meshes{triangle_soup(1, 20000, 4), triangle_soup(2, 3000, 1)};
+  const std::vector<Mesh> meshes{triangle_soup(1, 6000, 4), triangle_soup(2, 2000, 1)};
   Watched watched;
   const RTCScene scene = scene_of(watched.device, meshes);
   std::atomic<int> calls_left = 0;
@@ -183,12 +183,12 @@ TEST(PreloadMonitors, ACancelledBuildReportsOneErrorAndLeaksNothing) {
 }
 
 TEST(PreloadMonitors, RefusedMemoryReportsOneErrorAndLeaksNothing) {
-  const std::vector<Mesh> meshes{triangle_soup(1, 20000, 4), triangle_soup(2, 3000, 1)};
+  const std::vector<Mesh> meshes{triangle_soup(1, 6000, 4), triangle_soup(2, 2000, 1)};
   Watched watched;
   const RTCScene scene = scene_of(watched.device, meshes);
   ours().rtcCommitScene(scene);
   const ssize_t peak = watched.peak;
-  EXPECT_GT(peak, 1 << 20);
+  EXPECT_GT(peak, 1 << 18);
   int failed = 0;
   for (int part = 0; part < 12; ++part) {
     ours().rtcCommitGeometry(ours().rtcGetGeometry(scene, 0));
@@ -214,7 +214,7 @@ TEST(PreloadMonitors, RefusedMemoryReportsOneErrorAndLeaksNothing) {
 }
 
 TEST(PreloadMonitors, AFailedJoinReportsOneError) {
-  const std::vector<Mesh> meshes{triangle_soup(1, 20000, 4)};
+  const std::vector<Mesh> meshes{triangle_soup(1, 6000, 4)};
   Watched watched;
   const RTCScene scene = scene_of(watched.device, meshes);
   std::atomic<int> started{0};
