@@ -18,7 +18,7 @@ struct RenderSettings {
   std::size_t height = 540;
   std::size_t samples_per_pixel = 64;
   std::uint64_t seed = 1;
-  std::optional<Camera> camera;  ///< empty: the scene's own, which also places a sun that no scene brings
+  std::optional<Camera> camera{};  ///< empty: the scene's own, which also places a sun that no scene brings
   Lens lens;
   Shutter shutter;
   std::size_t max_bounces = 64;  ///< longer paths are cut off; roulette ends nearly all before

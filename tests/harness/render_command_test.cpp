@@ -117,13 +117,12 @@ TEST_F(RenderCommand, RefusesWhatCannotBe) {
 }
 
 TEST_F(RenderCommand, TakesACameraInsteadOfTheScenes) {
-  ASSERT_EQ(stbvh_ab(small_ + "-o " + (folder / "scene.exr").string()).exit_code, 0);
-  ASSERT_EQ(stbvh_ab(small_ + "--fov 10 -o " + (folder / "narrow.exr").string()).exit_code, 0);
+  ASSERT_EQ(stbvh_ab(small_ + "-o " + at("scene.exr")).exit_code, 0);
+  ASSERT_EQ(stbvh_ab(small_ + "--fov 10 -o " + at("narrow.exr")).exit_code, 0);
   // Straight up: nothing but the sky, which stays where the scene's own camera puts its sun.
-  ASSERT_EQ(stbvh_ab(small_ + "--camera-position=0,500,0 --camera-target=0,501,0.1 -o " +
-                     (folder / "sky.exr").string())
-                .exit_code,
-            0);
+  ASSERT_EQ(
+      stbvh_ab(small_ + "--camera-position=0,500,0 --camera-target=0,501,0.1 -o " + at("sky.exr")).exit_code,
+      0);
   EXPECT_NE(*read_exr(folder / "scene.exr").find("R"), *read_exr(folder / "narrow.exr").find("R"));
   const LayeredImage sky = read_exr(folder / "sky.exr");
   for (float depth : *sky.find("depth.Z")) EXPECT_EQ(depth, 0);
