@@ -113,7 +113,7 @@ class Preview final : public ScriptStage {
     if (is_idle_) return kIdleSeconds;
     const double least =
         seconds_since(last_input_) < kActiveSeconds ? kLeastFrameSeconds : kLeastQuietFrameSeconds;
-    return std::max(0.0, least - seconds_since(last_swap_));
+    return std::max(0.0, least - seconds_since(last_update_));
   }
 
   void end_where_done() {
