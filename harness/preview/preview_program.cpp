@@ -25,8 +25,9 @@ using Clock = std::chrono::steady_clock;
 
 /// While the user acts, and while only the picture grows: what is left is for those that render.
 constexpr double kLeastFrameSeconds = 1.0 / 60, kLeastQuietFrameSeconds = 1.0 / 40;
-constexpr double kActiveSeconds = 0.5;  // after input
-constexpr double kIdleSeconds = 0.1;    // between looks at whether there is anything new
+constexpr double kLeastEmptyFrameSeconds = 1.0 / 15;  // before there is a picture: building needs the time
+constexpr double kActiveSeconds = 0.5;                // after input
+constexpr double kIdleSeconds = 0.1;                  // between looks at whether there is anything new
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -111,8 +112,8 @@ class Preview final : public ScriptStage {
 
   double pause() const {
     if (is_idle_) return kIdleSeconds;
-    const double least =
-        seconds_since(last_input_) < kActiveSeconds ? kLeastFrameSeconds : kLeastQuietFrameSeconds;
+    const double quiet = frames_ == 0 ? kLeastEmptyFrameSeconds : kLeastQuietFrameSeconds;
+    const double least = seconds_since(last_input_) < kActiveSeconds ? kLeastFrameSeconds : quiet;
     return std::max(0.0, least - seconds_since(last_update_));
   }
 
@@ -136,8 +137,8 @@ class Preview final : public ScriptStage {
   }
 
   PreviewOptions options_;
-  Clock::time_point start_, last_swap_ = Clock::now(), last_update_ = Clock::now(),
-                            last_input_ = Clock::now();
+  Clock::time_point start_, last_swap_ = Clock::now(), last_update_ = Clock::now();
+  Clock::time_point last_input_{};  // long ago
   Window window_;
   PreviewModel model_;
   PanelState panels_;
