@@ -10,8 +10,9 @@
 
 #include <cstdint>
 #include <functional>
-#include <random>
 #include <vector>
+
+#include "tests/random.h"
 
 namespace stbvh::preload_test {
 
@@ -26,17 +27,7 @@ const Embree& ours();
 /// Embree itself.
 const Embree& native();
 
-/// Uniform numbers, the same on every machine.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
-  float unit() { return static_cast<float>(engine_() >> 40) * 0x1p-24f; }
-  float between(float a, float b) { return a + (b - a) * unit(); }
-  unsigned below(unsigned n) { return static_cast<unsigned>(engine_() % n); }
-
- private:
-  std::mt19937_64 engine_;
-};
+using test::Random;
 
 struct Position {
   float x, y, z;
