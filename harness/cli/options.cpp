@@ -211,6 +211,17 @@ void add_compare(CLI::App& app, Arguments& a) {
 
 }  // namespace
 
+bool parse_command_line(CLI::App& app, int argc, const char* const* argv) {
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() != 0) throw UsageError(e.what());
+    app.exit(e);
+    return false;
+  }
+  return true;
+}
+
 std::optional<Options> parse_options(int argc, const char* const* argv) {
   Arguments a;
   a.options.threads = usable_core_count();
@@ -229,15 +240,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   add_compare(app, a);
   add_truth_and_report(app, a);
   add_convert(app, a);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) {
-      app.exit(e);
-      return std::nullopt;
-    }
-    throw UsageError(e.what());
-  }
+  if (!parse_command_line(app, argc, argv)) return std::nullopt;
   a.options.command_line = joined(argc, argv);
   return checked_options(std::move(a), *app.get_subcommands().front());
 }

@@ -13,6 +13,10 @@
 #include "harness/rays/ray_set.h"
 #include "harness/scenes/gltf/gltf.h"
 
+namespace CLI {
+class App;
+}
+
 namespace stbvh::harness {
 
 /// Rays of each kind where --count is not given.
@@ -85,6 +89,10 @@ struct Options {
   std::string command_line;         ///< that these options were read from
   std::filesystem::path converted;  ///< the file that convert writes, .xml
 };
+
+/// Reads a command line into what was added to `app`; false if help or version was asked for and printed.
+/// Throws UsageError.
+bool parse_command_line(CLI::App& app, int argc, const char* const* argv);
 
 /// Options from a command line; empty if help or version was asked for and printed. Throws UsageError.
 std::optional<Options> parse_options(int argc, const char* const* argv);

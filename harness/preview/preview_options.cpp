@@ -90,15 +90,7 @@ std::optional<PreviewOptions> parse_preview_options(int argc, const char* const*
                "stbvh-preview");
   app.set_version_flag("--version", built_commit());
   add_options(app, a);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() == 0) {
-      app.exit(e);
-      return std::nullopt;
-    }
-    throw UsageError(e.what());
-  }
+  if (!parse_command_line(app, argc, argv)) return std::nullopt;
   return checked(std::move(a), app);
 }
 
