@@ -25,9 +25,10 @@ void BuildProgress::add(double share) {
   double done = done_.load();
   while (!done_.compare_exchange_weak(done, done + share)) {
   }
-  done = std::min(done + share, 1.0);
   const std::unique_lock lock(report_, std::try_to_lock);
-  if (!lock.owns_lock() || (share > 0.0 && done < reported_ + 0.01)) return;
+  if (!lock.owns_lock()) return;
+  done = std::min(done_.load(), 1.0);  // read under the lock: what is reported never falls
+  if (share > 0.0 && done < reported_ + 0.01) return;
   check();
   reported_ = done;
   report(done);

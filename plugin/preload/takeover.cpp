@@ -93,7 +93,7 @@ TrackedScene::Next TrackedScene::give_all_to_embree() {
 /// Embree's own build is cancelled for that, and its error is swallowed, as there is to be one only. The user
 /// geometry stays attached: of several trees of a scene Embree may keep some that name it.
 void TrackedScene::cancel_embrees_build() {
-  const Muted muted(device_->handle());
+  const Muted muted(*device_);
   real().rtcSetSceneProgressMonitorFunction(handle_, refuse, nullptr);
   real().rtcCommitScene(handle_);
   const std::lock_guard lock(mutex_);

@@ -1,6 +1,7 @@
 #include "plugin/preload/tracked_device.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cctype>
 #include <charconv>
 #include <string>
@@ -15,7 +16,7 @@ namespace stbvh::preload {
 namespace {
 
 struct ThreadErrors {
-  std::vector<std::pair<RTCDevice, RTCError>> pending;
+  std::vector<std::pair<std::uint64_t, RTCError>> pending;  ///< by TrackedDevice::serial()
   unsigned reported = 0;
   unsigned muted = 0;
 };
@@ -33,11 +34,16 @@ Devices& devices() {
   return *kDevices;
 }
 
-void keep_pending(RTCDevice handle, RTCError code) {
+std::uint64_t next_serial() {
+  static std::atomic<std::uint64_t> last{0};
+  return last.fetch_add(1, std::memory_order_relaxed) + 1;
+}
+
+void keep_pending(const TrackedDevice& device, RTCError code) {
   auto& pending = thread_errors.pending;
-  const bool has_one =
-      std::any_of(pending.begin(), pending.end(), [&](const auto& entry) { return entry.first == handle; });
-  if (!has_one) pending.emplace_back(handle, code);
+  const bool has_one = std::any_of(pending.begin(), pending.end(),
+                                   [&](const auto& entry) { return entry.first == device.serial(); });
+  if (!has_one) pending.emplace_back(device.serial(), code);
 }
 
 bool hits_as_we_do(RTCDevice device) {
@@ -51,7 +57,10 @@ bool hits_as_we_do(RTCDevice device) {
 }  // namespace
 
 TrackedDevice::TrackedDevice(RTCDevice handle, int thread_limit)
-    : handle_(handle), thread_limit_(thread_limit), is_plain_(hits_as_we_do(handle)) {}
+    : serial_(next_serial()),
+      handle_(handle),
+      thread_limit_(thread_limit),
+      is_plain_(hits_as_we_do(handle)) {}
 
 void TrackedDevice::set_error_function(RTCErrorFunction function, void* user_ptr) {
   const std::lock_guard lock(mutex_);
@@ -76,7 +85,7 @@ void TrackedDevice::tell(RTCError code, const char* message) {
 void TrackedDevice::raise(RTCError code, const char* message) {
   tell(code, message);
   const RTCError earlier = real().rtcGetDeviceError(handle_);
-  keep_pending(handle_, earlier != RTC_ERROR_NONE ? earlier : code);
+  keep_pending(*this, earlier != RTC_ERROR_NONE ? earlier : code);
 }
 
 bool TrackedDevice::report_memory(ssize_t bytes) {
@@ -124,8 +133,11 @@ void track_device(RTCDevice handle, const char* config) {
 
 RTCError take_pending_error(RTCDevice handle) {
   auto& pending = thread_errors.pending;
-  const auto found =
-      std::find_if(pending.begin(), pending.end(), [&](const auto& entry) { return entry.first == handle; });
+  if (pending.empty()) return RTC_ERROR_NONE;
+  const auto device = find_device(handle);
+  if (device == nullptr) return RTC_ERROR_NONE;
+  const auto found = std::find_if(pending.begin(), pending.end(),
+                                  [&](const auto& entry) { return entry.first == device->serial(); });
   if (found == pending.end()) return RTC_ERROR_NONE;
   const RTCError code = found->second;
   pending.erase(found);
@@ -138,14 +150,15 @@ bool ErrorWatch::failed() const {
   return thread_errors.reported != seen_;
 }
 
-Muted::Muted(RTCDevice handle) : handle_(handle), earlier_(real().rtcGetDeviceError(handle)) {
+Muted::Muted(const TrackedDevice& device)
+    : device_(device), earlier_(real().rtcGetDeviceError(device.handle())) {
   ++thread_errors.muted;
 }
 
 Muted::~Muted() {
   --thread_errors.muted;
-  real().rtcGetDeviceError(handle_);  // takes away what was left behind
-  if (earlier_ != RTC_ERROR_NONE) keep_pending(handle_, earlier_);
+  real().rtcGetDeviceError(device_.handle());  // takes away what was left behind
+  if (earlier_ != RTC_ERROR_NONE) keep_pending(device_, earlier_);
 }
 
 }  // namespace stbvh::preload

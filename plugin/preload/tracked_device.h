@@ -5,6 +5,7 @@
 #include <sys/types.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <mutex>
 
@@ -16,6 +17,8 @@ class TrackedDevice {
   TrackedDevice(RTCDevice handle, int thread_limit);
 
   RTCDevice handle() const { return handle_; }
+  /// No other device has it, though a handle may come again when a device is gone.
+  std::uint64_t serial() const { return serial_; }
   /// Threads that may build; 0: all.
   int thread_limit() const { return thread_limit_; }
 
@@ -39,6 +42,7 @@ class TrackedDevice {
  private:
   void tell(RTCError code, const char* message);
 
+  const std::uint64_t serial_;
   const RTCDevice handle_;
   const int thread_limit_;
   const bool is_plain_;
@@ -74,13 +78,13 @@ class ErrorWatch {
 /// While it lives, what Embree reports to this thread is neither told to the application nor left behind.
 class Muted {
  public:
-  explicit Muted(RTCDevice handle);
+  explicit Muted(const TrackedDevice& device);
   ~Muted();
   Muted(const Muted&) = delete;
   Muted& operator=(const Muted&) = delete;
 
  private:
-  RTCDevice handle_;
+  const TrackedDevice& device_;
   RTCError earlier_;
 };
 

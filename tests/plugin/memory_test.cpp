@@ -170,7 +170,12 @@ TEST_F(PluginMemory, AProgressFunctionThatReturnsFalseCancelsTheBuild) {
     Progress progress;
     progress.cancel_at = cancel_at;
     ASSERT_EQ(stbvhSetProgressFunction(geometry.get(), on_progress, &progress), RTC_ERROR_NONE);
-    ASSERT_EQ(stbvhCommitGeometry(geometry.get()), RTC_ERROR_CANCELLED);
+    const RTCError error = stbvhCommitGeometry(geometry.get());
+    if (progress.calls <= cancel_at) {  // how often a build asks depends on how its threads run
+      ASSERT_EQ(error, RTC_ERROR_NONE);
+      continue;
+    }
+    ASSERT_EQ(error, RTC_ERROR_CANCELLED);
     EXPECT_NE(std::string(stbvhGetErrorMessage(geometry.get())).find("cancelled"), std::string::npos);
     EXPECT_EQ(monitor_.bytes, before);
     StbvhStatistics statistics;

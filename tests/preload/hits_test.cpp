@@ -86,6 +86,8 @@ TEST(PreloadHits, OfPacketsWithInactiveLanes) {
   twice.commit();
   expect_same_packets<RTCRayHit4, 4>(twice.our_scene, twice.native_scene, rtcIntersect4);
   expect_same_packets<RTCRayHit8, 8>(twice.our_scene, twice.native_scene, rtcIntersect8);
+  // Without AVX-512 Embree traces packets of 16 as a stream, and inactive lanes with them.
+  if (rtcGetDeviceProperty(twice.native_device, RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED) == 0) return;
   expect_same_packets<RTCRayHit16, 16>(twice.our_scene, twice.native_scene, rtcIntersect16);
 }
 
