@@ -22,6 +22,7 @@ class FilterCall {
 
   /// Runs the mesh's filter and then the context's, those that are not null; false if one rejects.
   bool accepts(RTCFilterFunctionN mesh_filter, void* user_ptr) {
+    if (mesh_filter == nullptr && context_filter_of(lane_) == nullptr) return true;
     RTCFilterFunctionNArguments arguments;
     arguments.valid = valid_;
     const auto translate = lane_.published->filter_user_ptr;

@@ -25,7 +25,7 @@ struct Published {
   bool has_intersect_filters = false;
   bool has_occluded_filters = false;
   bool runs_context_filters = true;  ///< those that rays bring with their context
-  /// What filters are given for a mesh's user_ptr; null: the pointer itself.
+  /// What filters are given for a mesh's user_ptr, asked once for each hit that they see; null: the pointer.
   void* (*filter_user_ptr)(void* user_ptr) = nullptr;
   MotionGrid grid{{0.0f, 1.0f}, {Box3f::empty()}};
   std::unique_ptr<Structure> structure;

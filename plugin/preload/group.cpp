@@ -44,6 +44,12 @@ void* user_data_of(void* geometry) {
   return real().rtcGetGeometryUserData(static_cast<RTCGeometry>(geometry));
 }
 
+/// Asked for once for each hit that filters see.
+void* counting_user_data_of(void* geometry) {
+  count_filtered_hit();
+  return user_data_of(geometry);
+}
+
 unsigned active(const int* valid, unsigned size) {
   unsigned count = 0;
   for (unsigned i = 0; i < size; ++i) count += valid[i] != 0 ? 1 : 0;
@@ -99,7 +105,7 @@ plugin::MotionGrid grid_of(const std::vector<MeshView>& views) {
 std::unique_ptr<Published> publication(const std::vector<Member>& members, const GroupSettings& settings) {
   auto published = std::make_unique<Published>();
   published->runs_context_filters = settings.runs_context_filters;
-  published->filter_user_ptr = user_data_of;
+  published->filter_user_ptr = counts_statistics() ? counting_user_data_of : user_data_of;
   for (const Member& member : members) {
     const TrackedGeometry& mesh = *member.mesh;
     published->descriptions.push_back(description_of(member));

@@ -11,9 +11,11 @@ using stbvh::preload::real;
 
 namespace {
 
-/// Embree 4 has the same names, but rays and callbacks of another kind.
+/// Embree 4 has the same names, but rays and callbacks of another kind. Embree 2 has no properties, and no
+/// function of this library's names but rtcNewDevice.
 bool is_embree3(RTCDevice device) {
-  const auto major = real().rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MAJOR);
+  const auto property = real().rtcGetDeviceProperty;
+  const auto major = property == nullptr ? 2 : property(device, RTC_DEVICE_PROPERTY_VERSION_MAJOR);
   if (major == 3) return true;
   std::fprintf(stderr, "libstbvh_preload: this is for Embree 3; everything is left to this Embree %d\n",
                static_cast<int>(major));

@@ -4,15 +4,24 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <initializer_list>
 
 namespace stbvh::preload {
 namespace {
 
+/// Programs that load a module which links to Embree, such as Python, may keep it out of the global scope.
+/// Other versions have a function or more of the same name, which come here too, to be passed on.
+void* find_loaded() {
+  for (const char* const name : {"libembree3.so.3", "libembree4.so.4", "libembree.so.2"}) {
+    if (void* const library = dlopen(name, RTLD_LAZY | RTLD_NOLOAD)) return library;
+  }
+  return nullptr;
+}
+
 void* look_up(const char* name) {
   if (void* const function = dlsym(RTLD_NEXT, name)) return function;
-  // Programs that load a module which links to Embree, such as Python, may keep it out of the global scope.
-  static void* const loaded = dlopen("libembree3.so.3", RTLD_LAZY | RTLD_NOLOAD);
-  return loaded == nullptr ? nullptr : dlsym(loaded, name);
+  static void* const kLoaded = find_loaded();
+  return kLoaded == nullptr ? nullptr : dlsym(kLoaded, name);
 }
 
 template <typename Function>

@@ -26,13 +26,24 @@ struct Totals {
   std::ptrdiff_t bytes = 0, peak_bytes = 0;
 };
 
-/// A thread's own counter: nobody else writes it, so it needs no atomic addition.
-using RayCounter = std::atomic<std::uint64_t>;
+/// A thread's own: nobody else writes it, so it needs no atomic addition.
+class Counter {
+ public:
+  void add(std::uint64_t count) { value_.store(value() + count, std::memory_order_relaxed); }
+  std::uint64_t value() const { return value_.load(std::memory_order_relaxed); }
+
+ private:
+  std::atomic<std::uint64_t> value_{0};
+};
+
+struct ThreadCounters {
+  Counter rays, filtered_hits;
+};
 
 struct Statistics {
   std::mutex mutex;
   Totals totals;
-  std::vector<RayCounter*> rays;  ///< by thread; never freed
+  std::vector<ThreadCounters*> threads;  ///< never freed
 };
 
 Statistics& statistics() {
@@ -40,11 +51,16 @@ Statistics& statistics() {
   return *kStatistics;
 }
 
-RayCounter& new_ray_counter() {
-  auto* const counter = new RayCounter{0};
+ThreadCounters& new_thread_counters() {
+  auto* const counters = new ThreadCounters;
   const std::lock_guard lock(statistics().mutex);
-  statistics().rays.push_back(counter);
-  return *counter;
+  statistics().threads.push_back(counters);
+  return *counters;
+}
+
+ThreadCounters& thread_counters() {
+  thread_local ThreadCounters& counters = new_thread_counters();
+  return counters;
 }
 
 template <typename Change>
@@ -54,7 +70,7 @@ void change_totals(Change&& change) {
   change(statistics().totals);
 }
 
-nlohmann::ordered_json to_json(const Totals& totals, std::uint64_t rays) {
+nlohmann::ordered_json to_json(const Totals& totals, std::uint64_t rays, std::uint64_t filtered_hits) {
   nlohmann::ordered_json left = nlohmann::ordered_json::object();
   for (std::size_t reason = 1; reason < kStaysNativeCount; ++reason) {
     if (totals.meshes[reason] > 0) left[describe(static_cast<StaysNative>(reason))] = totals.meshes[reason];
@@ -64,6 +80,7 @@ nlohmann::ordered_json to_json(const Totals& totals, std::uint64_t rays) {
           {"invalid_triangles", totals.invalid_triangles},
           {"segments", totals.segments},
           {"rays", rays},
+          {"filtered_hits", filtered_hits},
           {"builds", totals.builds},
           {"failed_builds", totals.failed_builds},
           {"build_seconds", totals.build_seconds},
@@ -87,9 +104,12 @@ bool write_file(const std::string& path, const std::string& text) {
 /// At the end of a process that used Embree; others, such as a shell that starts it, say nothing.
 void report() {
   const std::lock_guard lock(statistics().mutex);
-  std::uint64_t rays = 0;
-  for (const RayCounter* const counter : statistics().rays) rays += counter->load(std::memory_order_relaxed);
-  const std::string text = to_json(statistics().totals, rays).dump(2);
+  std::uint64_t rays = 0, filtered_hits = 0;
+  for (const ThreadCounters* const thread : statistics().threads) {
+    rays += thread->rays.value();
+    filtered_hits += thread->filtered_hits.value();
+  }
+  const std::string text = to_json(statistics().totals, rays, filtered_hits).dump(2);
   const std::string& path = *environment().statistics;
   if (path.empty()) {
     std::fprintf(stderr, "libstbvh_preload: %s\n", text.c_str());
@@ -145,8 +165,11 @@ void count_native_twin() {
 }
 
 void count_rays(unsigned count) {
-  thread_local RayCounter& counter = new_ray_counter();
-  counter.store(counter.load(std::memory_order_relaxed) + count, std::memory_order_relaxed);
+  thread_counters().rays.add(count);
+}
+
+void count_filtered_hit() {
+  thread_counters().filtered_hits.add(1);
 }
 
 }  // namespace stbvh::preload

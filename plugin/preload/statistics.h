@@ -27,5 +27,7 @@ void count_native_twin();
 
 /// Rays of this thread that our structures were asked about.
 void count_rays(unsigned count);
+/// A hit of this thread that a filter of the application is asked about.
+void count_filtered_hit();
 
 }  // namespace stbvh::preload

@@ -269,31 +269,6 @@ TEST(PreloadContents, RandomEditsLeaveWhatEmbreeWouldShow) {
   });
 }
 
-TEST(PreloadContents, WhatIsNotUnderstoodStaysWithEmbree) {
-  const Mesh still = flat_triangle(0, 1), moving = flat_triangle(1, 2);
-  Twice twice;
-  twice.add(still);
-  twice.commit();
-  EXPECT_FALSE(is_taken_over(twice.our_scene));
-  twice.add(moving);
-  twice.commit();
-  EXPECT_TRUE(is_taken_over(twice.our_scene));
-  twice.both([&](const Embree& embree, RTCDevice, RTCScene scene) {
-    const RTCGeometry geometry = embree.rtcGetGeometry(scene, 1);
-    embree.rtcSetGeometryTimeRange(geometry, 0.5f, 0.5f);  // empty, which Embree takes
-    EXPECT_EQ(embree.rtcGetDeviceError(scene == twice.our_scene ? twice.our_device : twice.native_device),
-              RTC_ERROR_NONE);
-    embree.rtcSetGeometryTimeRange(geometry, 0, 1);
-    embree.rtcSetGeometryTimeStepCount(geometry, 1);  // at rest from now on
-    embree.rtcCommitGeometry(geometry);
-    embree.rtcDetachGeometry(scene, 0);
-  });
-  twice.commit();
-  EXPECT_FALSE(is_taken_over(twice.our_scene));
-  EXPECT_EQ(geom_id_hit(twice.our_scene, 0, 0, 0.5f), 1u);
-  EXPECT_EQ(geom_id_hit(twice.native_scene, 0, 0, 0.5f), 1u);
-}
-
 TEST(PreloadContents, OneGeometryInSeveralScenesOutlivesItsHandles) {
   const Mesh mesh = triangle_soup(6, 100, 3);
   Twice twice;
