@@ -31,6 +31,7 @@ RTCDevice rtcNewDevice(const char* config) {
   if (device == nullptr || !stbvh::preload::environment().enabled || !is_embree3(device)) return device;
   stbvh::preload::track_device(device, config);
   stbvh::preload::report_statistics_at_exit();
+  stbvh::preload::count_device();
   return device;
 }
 

@@ -21,7 +21,7 @@ namespace {
 struct Totals {
   std::array<std::size_t, kStaysNativeCount> meshes{};  ///< by StaysNative; kNone: taken over
   std::size_t triangles = 0, invalid_triangles = 0, segments = 0;
-  std::size_t builds = 0, failed_builds = 0, native_twins = 0;
+  std::size_t devices = 0, builds = 0, failed_builds = 0, native_twins = 0;
   double build_seconds = 0;
   std::ptrdiff_t bytes = 0, peak_bytes = 0;
 };
@@ -75,7 +75,8 @@ nlohmann::ordered_json to_json(const Totals& totals, std::uint64_t rays, std::ui
   for (std::size_t reason = 1; reason < kStaysNativeCount; ++reason) {
     if (totals.meshes[reason] > 0) left[describe(static_cast<StaysNative>(reason))] = totals.meshes[reason];
   }
-  return {{"meshes_taken_over", totals.meshes[0]},
+  return {{"devices", totals.devices},
+          {"meshes_taken_over", totals.meshes[0]},
           {"triangles", totals.triangles},
           {"invalid_triangles", totals.invalid_triangles},
           {"segments", totals.segments},
@@ -129,6 +130,10 @@ void report_statistics_at_exit() {
   if (!counts_statistics()) return;
   static const bool kRegistered = std::atexit(report) == 0;
   static_cast<void>(kRegistered);
+}
+
+void count_device() {
+  change_totals([](Totals& totals) { ++totals.devices; });
 }
 
 void count_mesh(TrackedGeometry& mesh, StaysNative reason) {

@@ -15,6 +15,8 @@ bool counts_statistics();
 /// Has them written when the process ends; for rtcNewDevice.
 void report_statistics_at_exit();
 
+void count_device();
+
 /// A mesh that a commit took over, or left to Embree for a reason; each is counted once for each.
 void count_mesh(TrackedGeometry& mesh, StaysNative reason);
 

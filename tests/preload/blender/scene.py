@@ -1,15 +1,18 @@
 """Run by Blender: a scene of deforming, moving and still objects through Cycles.
 
-blender -b --factory-startup -P scene.py -- MOTION_STEPS SIZE SAMPLES PICTURE.exr
+blender -b --factory-startup -P scene.py -- SCENE FRAMES MOTION_STEPS SIZE SAMPLES PICTURE-
 
-Cycles gives a mesh with n motion steps 2^n + 1 time steps."""
+SCENE: objects, or shadows that fall through moving transparent things. FRAMES: the first and the last, as 1-3, rendered by
+one process with persistent data to PICTURE-0001.exr and so on. Cycles gives a mesh with n motion steps 2^n + 1 time
+steps."""
 
 import math
 import sys
+import time
 
 import bpy
 
-FRAME = 12
+FRAME = 2  # in the middle of all that moves
 
 
 def material(name, color, alpha=1.0, emission=0.0):
@@ -24,6 +27,22 @@ def material(name, color, alpha=1.0, emission=0.0):
     return made
 
 
+def stained_glass(name, color):
+    """Half of the light goes through and takes on the color; what does not go through is scattered white."""
+    made = bpy.data.materials.new(name)
+    made.use_nodes = True
+    nodes, links = made.node_tree.nodes, made.node_tree.links
+    nodes.clear()
+    through, scattered = nodes.new("ShaderNodeBsdfTransparent"), nodes.new("ShaderNodeBsdfDiffuse")
+    through.inputs["Color"].default_value = (*color, 1)
+    mix, output = nodes.new("ShaderNodeMixShader"), nodes.new("ShaderNodeOutputMaterial")
+    mix.inputs["Fac"].default_value = 0.5
+    links.new(through.outputs["BSDF"], mix.inputs[1])
+    links.new(scattered.outputs["BSDF"], mix.inputs[2])
+    links.new(mix.outputs["Shader"], output.inputs["Surface"])
+    return made
+
+
 def finish(thing, made, motion_steps):
     thing.data.materials.append(made)
     thing.cycles.use_motion_blur = True
@@ -32,13 +51,13 @@ def finish(thing, made, motion_steps):
     return thing
 
 
-def waving_cloth(motion_steps):
-    bpy.ops.mesh.primitive_grid_add(x_subdivisions=120, y_subdivisions=120, size=4, location=(0, 0, 0.4))
+def waving_cloth(motion_steps, made, height):
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=120, y_subdivisions=120, size=4, location=(0, 0, height))
     cloth = bpy.context.object
     wave = cloth.modifiers.new("wave", "WAVE")
     wave.height, wave.width, wave.narrowness, wave.speed = 0.7, 1.2, 1.6, 1.1
-    wave.time_offset = -20
-    return finish(cloth, material("cloth", (0.8, 0.3, 0.2)), motion_steps)
+    wave.time_offset = -30
+    return finish(cloth, made, motion_steps)
 
 
 def twisting_monkey(motion_steps, location, made):
@@ -65,10 +84,13 @@ def spinning_wheel(motion_steps):
     return finish(wheel, material("wheel", (0.2, 0.4, 0.8)), motion_steps)
 
 
-def make_scene(motion_steps):
-    for thing in ("Cube", "Light"):
-        bpy.data.objects.remove(bpy.data.objects[thing])
-    waving_cloth(motion_steps)
+def add_floor():
+    bpy.ops.mesh.primitive_plane_add(size=30, location=(0, 0, -0.5))
+    bpy.context.object.data.materials.append(material("floor", (0.5, 0.5, 0.5)))
+
+
+def make_objects(motion_steps):
+    waving_cloth(motion_steps, material("cloth", (0.8, 0.3, 0.2)), 0.4)
     glass = material("veil", (0.3, 0.8, 0.4), alpha=0.5)
     monkey = twisting_monkey(motion_steps, (1.2, -1.2, 1.6), glass)
     other = max(1, motion_steps - 2)
@@ -79,15 +101,27 @@ def make_scene(motion_steps):
         copy.location = (-2.0 + i, 1.5, 2.4 + 0.3 * i)
         copy.scale = (0.5, 0.5, 0.5)
         bpy.context.collection.objects.link(copy)
-    bpy.ops.mesh.primitive_plane_add(size=30, location=(0, 0, -0.5))
-    bpy.context.object.data.materials.append(material("floor", (0.5, 0.5, 0.5)))
+    add_floor()
     bpy.ops.mesh.primitive_plane_add(size=2, location=(2, -3, 5), rotation=(0.5, 0.3, 0))
     bpy.context.object.data.materials.append(material("lamp", (1, 0.95, 0.9), emission=12))
 
 
-def render(size, samples, path):
+def make_shadows(motion_steps):
+    """A lamp over a cloth over the floor, and the camera below the cloth: what it sees green got so on its way to the
+    floor."""
+    waving_cloth(motion_steps, stained_glass("veil", (0.05, 0.9, 0.05)), 2.6)
+    twisting_monkey(motion_steps, (0, 0, 4.6), stained_glass("glass", (0.1, 0.9, 0.2)))
+    add_floor()
+    bpy.ops.object.light_add(type="POINT", radius=0.05, location=(0, 0, 8))
+    bpy.context.object.data.energy = 6000
+    camera = bpy.context.scene.camera
+    camera.location, camera.rotation_euler, camera.data.lens = (0, -8, 1.8), (1.15, 0, 0), 35
+
+
+def render(frames, size, samples, path):
     scene = bpy.context.scene
-    scene.frame_set(FRAME)
+    scene.frame_start, scene.frame_end = frames
+    scene.render.use_persistent_data = True
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
     scene.cycles.samples = samples
@@ -101,9 +135,17 @@ def render(size, samples, path):
     scene.render.image_settings.file_format = "OPEN_EXR"
     scene.render.image_settings.color_depth = "32"
     scene.render.filepath = path
-    bpy.ops.render.render(write_still=True)
+    start = time.monotonic()
+    bpy.ops.render.render(animation=True)
+    print(f"RENDER_SECONDS {time.monotonic() - start}")
 
 
-motion_steps, size, samples = (int(argument) for argument in sys.argv[sys.argv.index("--") + 1:][:3])
-make_scene(motion_steps)
-render(size, samples, sys.argv[-1])
+def main():
+    name, frames, motion_steps, size, samples, path = sys.argv[sys.argv.index("--") + 1:]
+    for thing in ("Cube", "Light"):
+        bpy.data.objects.remove(bpy.data.objects[thing])
+    {"objects": make_objects, "shadows": make_shadows}[name](int(motion_steps))
+    render(map(int, frames.split("-")), int(size), int(samples), path)
+
+
+main()
