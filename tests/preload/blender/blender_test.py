@@ -186,6 +186,9 @@ def parse():
     options = parser.parse_args()
     if options.figures is not None and options.figures < 1:
         parser.error("--figures must be 1 or more")
+    for library in (options.library, options.embree_isa):
+        if not library.is_file():  # the loader would go on without it
+            parser.error(f"there is no {library}")
     return options
 
 
