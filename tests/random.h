@@ -4,19 +4,26 @@
 #include <cstdint>
 #include <random>
 
+#include "stbvh/vec.h"
+
 namespace stbvh::test {
 
 /// Uniform numbers, the same on every machine.
 class Random {
  public:
-  explicit Random(std::uint64_t seed) : engine_(seed) {}
+  explicit Random(std::uint32_t seed) : engine_(seed) {}
+  std::uint32_t bits() { return static_cast<std::uint32_t>(engine_()); }
   /// In [0, 1).
-  float unit() { return static_cast<float>(engine_() >> 40) * 0x1p-24f; }
+  float unit() { return static_cast<float>(bits() >> 8) * 0x1p-24f; }
   float between(float a, float b) { return a + (b - a) * unit(); }
-  unsigned below(unsigned n) { return static_cast<unsigned>(engine_() % n); }
+  unsigned below(unsigned n) { return bits() % n; }
+  /// Each coordinate in [-extent, extent).
+  Vec3f point(float extent) {
+    return {between(-extent, extent), between(-extent, extent), between(-extent, extent)};
+  }
 
  private:
-  std::mt19937_64 engine_;
+  std::mt19937 engine_;
 };
 
 }  // namespace stbvh::test

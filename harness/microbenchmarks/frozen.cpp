@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "harness/microbenchmarks/benchmarks.h"
-#include "harness/rays/frozen_scene.h"
 #include "harness/rays/ray_generator.h"
+#include "harness/scenes/frozen_scene.h"
 #include "harness/scenes/procedural/procedural.h"
 #include "harness/structures/structure_under_test.h"
 

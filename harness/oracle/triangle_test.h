@@ -28,8 +28,8 @@
 #include <array>
 
 #include "harness/oracle/triangle_filter.h"
-#include "harness/rays/moving_triangle.h"
 #include "harness/rays/ray_set.h"
+#include "harness/scenes/moving_triangle.h"
 #include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {

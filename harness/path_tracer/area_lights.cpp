@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "harness/path_tracer/lights.h"
+#include "harness/scenes/moving_triangle.h"
 
 namespace stbvh::harness {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "harness/path_tracer/render.h"
-#include "harness/rays/frozen_scene.h"
+#include "harness/scenes/frozen_scene.h"
 #include "harness/structures/structure_under_test.h"
 
 namespace stbvh::harness {

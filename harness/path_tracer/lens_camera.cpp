@@ -5,7 +5,6 @@
 
 #include "harness/path_tracer/color.h"
 #include "harness/path_tracer/directions.h"
-#include "harness/rays/moving_triangle.h"
 
 namespace stbvh::harness {
 

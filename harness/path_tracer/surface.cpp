@@ -1,8 +1,11 @@
 #include "harness/path_tracer/surface.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+
+#include "harness/scenes/moving_triangle.h"
 
 namespace stbvh::harness {
 namespace {

@@ -3,8 +3,9 @@
 
 #include <cstdint>
 
-#include "harness/rays/moving_triangle.h"
 #include "harness/rays/ray_set.h"
+#include "harness/scenes/scene.h"
+#include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {
 

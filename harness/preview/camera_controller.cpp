@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "harness/rays/moving_triangle.h"
-
 namespace stbvh::harness {
 namespace {
 

@@ -5,8 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include "harness/rays/moving_triangle.h"
-
 namespace stbvh::harness {
 namespace {
 

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "harness/cli/usage_error.h"
-#include "harness/rays/moving_triangle.h"
+#include "harness/scenes/moving_triangle.h"
 #include "harness/scenes/procedural/procedural.h"
 
 namespace stbvh::harness {

@@ -13,7 +13,6 @@
 #include "harness/images/exr_file.h"
 #include "harness/images/png_file.h"
 #include "harness/preview/render_command.h"
-#include "harness/rays/moving_triangle.h"
 #include "harness/scenes/scene_file.h"
 
 namespace stbvh::harness {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "harness/rays/moving_triangle.h"
+#include "harness/scenes/moving_triangle.h"
 
 namespace stbvh::harness {
 

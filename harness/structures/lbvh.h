@@ -1,7 +1,7 @@
 /// Linear-motion BVHs, one for each global time segment, as renderers had before the STBVH (Embree 2.12).
 ///
 /// Embree 3 has no such tree; this one is made of its scenes with linear motion, on the meshes' own buffers,
-/// exact for step counts that do not divide each other (ALGORITHM.md, section 7).
+/// exact for step counts that do not divide each other.
 #pragma once
 
 #include <cstddef>

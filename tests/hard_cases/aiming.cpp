@@ -5,9 +5,9 @@
 #include <limits>
 #include <utility>
 
-#include "harness/rays/moving_triangle.h"
 #include "harness/rays/ray_generator.h"
 #include "harness/rays/ray_sources.h"
+#include "harness/scenes/moving_triangle.h"
 
 namespace stbvh::harness {
 namespace {

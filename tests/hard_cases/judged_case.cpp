@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "harness/rays/moving_triangle.h"
+#include "harness/scenes/moving_triangle.h"
 
 namespace stbvh::harness {
 namespace {

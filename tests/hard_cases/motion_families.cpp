@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "harness/rays/moving_triangle.h"
 #include "tests/hard_cases/aiming.h"
 #include "tests/hard_cases/catalogue.h"
 

@@ -8,9 +8,9 @@
 #include <sstream>
 
 #include "harness/files/output_file.h"
-#include "harness/rays/moving_triangle.h"
 #include "harness/scenes/embree_xml/writer.h"
 #include "harness/scenes/gltf/gltf.h"
+#include "harness/scenes/moving_triangle.h"
 #include "harness/scenes/procedural/procedural.h"
 #include "harness/structures/structure_under_test.h"
 #include "tests/harness/embree_xml_files.h"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "harness/scenes/frozen_scene.h"
 #include "harness/scenes/procedural/mesh_tools.h"
 #include "tests/harness/picture_scenes.h"
 

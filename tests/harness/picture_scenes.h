@@ -9,8 +9,6 @@
 #include <vector>
 
 #include "harness/path_tracer/render.h"
-#include "harness/rays/frozen_scene.h"
-#include "harness/rays/moving_triangle.h"
 #include "harness/scenes/scene.h"
 #include "harness/scenes/vec3.h"
 #include "harness/structures/structure_under_test.h"

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <limits>
 
-#include "harness/rays/moving_triangle.h"
 #include "harness/rays/ray_generator.h"
 #include "tests/harness/test_scenes.h"
 

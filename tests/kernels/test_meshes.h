@@ -4,11 +4,12 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <numbers>
-#include <random>
 #include <vector>
 
 #include "stbvh/structure.h"
+#include "tests/random.h"
 
 namespace stbvh::test {
 
@@ -111,20 +112,6 @@ inline TestMesh sphere(std::uint32_t rings, std::size_t steps, const Motion& mot
   animate(mesh, rest, steps, motion);
   return mesh;
 }
-
-class Random {
- public:
-  explicit Random(std::uint32_t seed) : engine_(seed) {}
-  std::uint32_t bits() { return static_cast<std::uint32_t>(engine_()); }
-  float unit() { return static_cast<float>(bits() >> 8) * 0x1p-24f; }
-  float between(float a, float b) { return a + (b - a) * unit(); }
-  Vec3f point(float extent) {
-    return {between(-extent, extent), between(-extent, extent), between(-extent, extent)};
-  }
-
- private:
-  std::mt19937 engine_;
-};
 
 /// Triangles without shared vertices at random places, each with a motion of its own.
 inline TestMesh soup(std::size_t triangles, std::size_t steps, std::uint32_t seed, float size = 0.3f) {

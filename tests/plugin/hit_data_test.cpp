@@ -18,7 +18,7 @@ TEST(PluginHitData, MeshesWithDifferentStepCountsInOneGeometry) {
   const Device device = new_device();
   std::vector<TestMesh> meshes;
   for (const unsigned steps : {2u, 1u, 6u, 15u, 9u, 1u, 129u})
-    meshes.push_back(triangle_soup(meshes.size(), 60, steps));
+    meshes.push_back(triangle_soup(static_cast<std::uint32_t>(meshes.size()), 60, steps));
   const ScenePair pair = scene_pair(device, meshes);
   expect_same_hits(pair.native.get(), pair.own.get(), 6000, 1);
 }

@@ -6,7 +6,7 @@
 
 namespace stbvh::test {
 
-TestMesh triangle_soup(std::uint64_t seed, unsigned triangles, unsigned step_count) {
+TestMesh triangle_soup(std::uint32_t seed, unsigned triangles, unsigned step_count) {
   Random random(seed);
   TestMesh mesh;
   mesh.steps.assign(step_count, {});
@@ -166,7 +166,9 @@ void expect_same_hit(const RTCRayHit& native, const RTCRayHit& own) {
     ASSERT_EQ(native.ray.tfar, own.ray.tfar);
     return;
   }
-  ASSERT_EQ(native.hit.primID, own.hit.primID);
+  ASSERT_EQ(native.hit.primID, own.hit.primID)
+      << "at distances " << native.ray.tfar << " and " << own.ray.tfar << ", u, v " << native.hit.u << ", "
+      << native.hit.v << " and " << own.hit.u << ", " << own.hit.v;
   ASSERT_EQ(native.hit.instID[0], own.hit.instID[0]);
   EXPECT_NEAR(native.ray.tfar, own.ray.tfar, 1e-4f * (1 + std::fabs(native.ray.tfar)));
   EXPECT_NEAR(native.hit.u, own.hit.u, 1e-3f);
@@ -177,7 +179,7 @@ void expect_same_hit(const RTCRayHit& native, const RTCRayHit& own) {
   EXPECT_NEAR(native.hit.Ng_z, own.hit.Ng_z, 1e-4f * length);
 }
 
-void expect_same_hits(RTCScene native, RTCScene own, unsigned count, std::uint64_t seed) {
+void expect_same_hits(RTCScene native, RTCScene own, unsigned count, std::uint32_t seed) {
   Random random(seed);
   unsigned hits = 0;
   for (unsigned i = 0; i < count; ++i) {

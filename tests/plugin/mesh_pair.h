@@ -30,7 +30,7 @@ struct TestMesh {
 };
 
 /// `triangles` separate triangles around [-1, 1]^3 whose corners wander from step to step.
-TestMesh triangle_soup(std::uint64_t seed, unsigned triangles, unsigned step_count);
+TestMesh triangle_soup(std::uint32_t seed, unsigned triangles, unsigned step_count);
 
 /// A single triangle that fills x, y in [-1, 1] at height z, without motion in `step_count` steps.
 TestMesh flat_triangle(float z, unsigned step_count = 1);
@@ -83,6 +83,6 @@ bool is_occluded(RTCScene scene, const RTCRayHit& ray, RTCIntersectContext* cont
 void expect_same_hit(const RTCRayHit& native, const RTCRayHit& own);
 
 /// Traces `count` random rays through both, closest and any hit; some must hit, some must not.
-void expect_same_hits(RTCScene native, RTCScene own, unsigned count, std::uint64_t seed);
+void expect_same_hits(RTCScene native, RTCScene own, unsigned count, std::uint32_t seed);
 
 }  // namespace stbvh::test

@@ -15,7 +15,7 @@ void keep_some(const RTCFilterFunctionNArguments* args) {
   }
 }
 
-std::vector<RTCRayHit> trace(RTCScene scene, std::uint64_t seed) {
+std::vector<RTCRayHit> trace(RTCScene scene, std::uint32_t seed) {
   Random random(seed);
   std::vector<RTCRayHit> hits;
   for (unsigned i = 0; i < 3000; ++i) hits.push_back(intersect(scene, random_ray(random)));

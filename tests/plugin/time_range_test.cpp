@@ -36,6 +36,9 @@ TEST(PluginTimeRanges, OfSeveralMeshes) {
       with_range(triangle_soup(3, 80, 9), .6f, 1),     with_range(triangle_soup(4, 80, 5), -1, 2),
       with_range(triangle_soup(5, 80, 2), .41f, .44f), with_range(triangle_soup(6, 80, 17), .9f, 7)};
   const ScenePair pair = scene_pair(device, meshes);
+  // Embree 3.13 loses triangles where a scene has meshes with different ranges, not in a scene for each mesh.
+  std::vector<ScenePair> alone;
+  for (const TestMesh& mesh : meshes) alone.push_back(scene_pair(device, {mesh}));
   Random random(1);
   for (unsigned i = 0; i < 8000; ++i) {
     RTCRayHit ray = random_ray(random);
@@ -43,8 +46,14 @@ TEST(PluginTimeRanges, OfSeveralMeshes) {
     const float starts[] = {.25f, 0, .6f, .41f, .9f};
     if (i % 4 == 0) ray.ray.time = starts[random.below(5)];
     if (ray.ray.time == .75f) continue;
-    ASSERT_NO_FATAL_FAILURE(
-        expect_same_hit(intersect(pair.native.get(), ray), intersect(pair.own.get(), ray)))
+    RTCRayHit expected = ray;
+    for (unsigned mesh = 0; mesh < meshes.size(); ++mesh) {
+      const RTCRayHit hit = intersect(alone[mesh].native.get(), expected);
+      if (!(hit.ray.tfar < expected.ray.tfar)) continue;
+      expected = hit;
+      expected.hit.geomID = mesh;
+    }
+    ASSERT_NO_FATAL_FAILURE(expect_same_hit(expected, intersect(pair.own.get(), ray)))
         << "at time " << ray.ray.time;
   }
 }

@@ -7,7 +7,7 @@ namespace {
 class PluginUpdates : public testing::Test {
  protected:
   /// Commits geometry and scene, and compares with Embree over the same meshes built anew.
-  void expect_as_new(std::uint64_t seed) {
+  void expect_as_new(std::uint32_t seed) {
     ASSERT_EQ(stbvhCommitGeometry(geometry_.get()), RTC_ERROR_NONE);
     rtcCommitScene(own_.get());
     const Scene native = new_scene(device_);

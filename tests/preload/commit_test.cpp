@@ -251,7 +251,7 @@ TEST(PreloadMonitors, AFailedJoinReportsOneError) {
 /// Random life of scenes, geometries and instances; each round is checked for errors, the end for bytes.
 class Chaos {
  public:
-  explicit Chaos(std::uint64_t seed) : random_(seed) {
+  explicit Chaos(std::uint32_t seed) : random_(seed) {
     for (unsigned i = 0; i < 5; ++i) meshes_.push_back(triangle_soup(seed * 10 + i, 5 + 20 * i, 1 + i * i));
   }
 
@@ -383,14 +383,14 @@ class Chaos {
 };
 
 TEST(PreloadChaos, LeavesNoErrorAndNoByte) {
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) Chaos(seed).run(150);
+  for (std::uint32_t seed = 1; seed <= 20; ++seed) Chaos(seed).run(150);
 }
 
 TEST(PreloadChaos, OnSeveralThreads) {
   std::vector<std::thread> threads;
-  for (std::uint64_t seed = 100; seed < 104; ++seed) {
+  for (std::uint32_t seed = 100; seed < 104; ++seed) {
     threads.emplace_back([seed] {
-      for (std::uint64_t i = 0; i < 3; ++i) Chaos(seed + 10 * i).run(100);
+      for (std::uint32_t i = 0; i < 3; ++i) Chaos(seed + 10 * i).run(100);
     });
   }
   for (std::thread& thread : threads) thread.join();

@@ -252,7 +252,7 @@ TEST(PreloadContents, RandomEditsLeaveWhatEmbreeWouldShow) {
     if (action == 2) attached[which] = geom_ids[0];
     if (random.below(3) != 0) continue;
     twice.commit();
-    const std::vector<RTCRayHit> rays = random_rays(static_cast<std::uint64_t>(round), 100);
+    const std::vector<RTCRayHit> rays = random_rays(static_cast<std::uint32_t>(round), 100);
     for (RTCRayHit own : rays) {
       RTCRayHit reference = own;
       RTCIntersectContext context;

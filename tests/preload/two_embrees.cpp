@@ -42,7 +42,7 @@ const Embree& native() {
   return kNative;
 }
 
-Mesh triangle_soup(std::uint64_t seed, unsigned triangles, unsigned step_count) {
+Mesh triangle_soup(std::uint32_t seed, unsigned triangles, unsigned step_count) {
   Random random(seed);
   Mesh mesh;
   mesh.steps.resize(step_count);
@@ -126,7 +126,7 @@ void Twice::commit() {
   native().rtcCommitScene(native_scene);
 }
 
-std::vector<RTCRayHit> random_rays(std::uint64_t seed, unsigned count) {
+std::vector<RTCRayHit> random_rays(std::uint32_t seed, unsigned count) {
   Random random(seed);
   std::vector<RTCRayHit> rays(count);
   for (RTCRayHit& r : rays) {

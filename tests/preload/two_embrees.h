@@ -44,7 +44,7 @@ struct Mesh {
 };
 
 /// `triangles` separate triangles around [-1, 1]^3 whose corners wander from step to step.
-Mesh triangle_soup(std::uint64_t seed, unsigned triangles, unsigned step_count);
+Mesh triangle_soup(std::uint32_t seed, unsigned triangles, unsigned step_count);
 /// A triangle that fills x, y in [-1, 1] at height z, at rest.
 Mesh flat_triangle(float z, unsigned step_count = 2);
 
@@ -76,7 +76,7 @@ class Twice {
 };
 
 /// Rays through [-1, 1]^3 from outside at random times.
-std::vector<RTCRayHit> random_rays(std::uint64_t seed, unsigned count);
+std::vector<RTCRayHit> random_rays(std::uint32_t seed, unsigned count);
 
 /// Traces the rays in both and compares IDs exactly, numbers within rounding; at least a tenth must hit.
 void expect_same_hits(RTCScene our_scene, RTCScene native_scene, const std::vector<RTCRayHit>& rays);

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <span>
 #include <utility>
 
@@ -57,7 +56,7 @@ Vec3f mean_radiance(const Environment& environment) {
   double weights = 0;
   for (std::size_t y = 0; y < environment.height; ++y) {
     const double weight =
-        std::sin(std::numbers::pi * (static_cast<double>(y) + 0.5) / static_cast<double>(environment.height));
+        std::sin(kPi * (static_cast<double>(y) + 0.5) / static_cast<double>(environment.height));
     for (std::size_t x = 0; x < environment.width; ++x)
       sum = sum + to_double(environment.pixels[y * environment.width + x]) * weight;
     weights += weight * static_cast<double>(environment.width);
@@ -117,9 +116,8 @@ class Writer {
 
   /// The light travels along the third column of its map.
   void directional_light(const DirectionalLight& light) {
-    const Vec3 z = to_double(light.direction);
-    const Vec3 helper = std::abs(z.x) > 0.7 * length(z) ? Vec3{0, 1, 0} : Vec3{1, 0, 0};
-    const Vec3 x = normalize(cross(helper, z)), y = normalize(cross(z, x));
+    const Vec3 z = normalize(to_double(light.direction));
+    const Vec3 x = perpendicular(z), y = cross(z, x);
     const Vec3f fx = to_float(x), fy = to_float(y), fz = light.direction;
     const std::string space = fmt::format("<AffineSpace>{} {} {} 0 {} {} {} 0 {} {} {} 0</AffineSpace>", fx.x,
                                           fy.x, fz.x, fx.y, fy.y, fz.y, fx.z, fy.z, fz.z);

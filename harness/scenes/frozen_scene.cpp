@@ -1,8 +1,8 @@
-#include "harness/rays/frozen_scene.h"
+#include "harness/scenes/frozen_scene.h"
 
 #include <cstdint>
 
-#include "harness/rays/moving_triangle.h"
+#include "harness/scenes/moving_triangle.h"
 
 namespace stbvh::harness {
 

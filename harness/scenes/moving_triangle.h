@@ -1,5 +1,5 @@
 /// Where a triangle is at a time, in double precision: the contract that every structure shares
-/// (ALGORITHM.md, section 2), without any of a structure's roundings.
+/// (docs/algorithm.md), without any of a structure's roundings.
 #pragma once
 
 #include <array>
