@@ -1,6 +1,7 @@
 #include "harness/preview/growing_picture.h"
 
 #include <algorithm>
+#include <memory>
 #include <stdexcept>
 
 #include "harness/oracle/oracle.h"
@@ -61,7 +62,7 @@ void GrowingPicture::begin(const BuiltPair& structures, const RenderSettings& se
   settings_ = settings;
   passes_ = 0;
   for (std::size_t slot = 0; slot < slots_; ++slot) sums_[slot].resize(settings.width * settings.height);
-  for (std::size_t slot = slots_; slot < kSlots; ++slot) sums_[slot] = {};
+  for (std::size_t slot = slots_; slot < kSlots; ++slot) sums_[slot].resize(0);
   shown_ = pool_.take(settings.width, settings.height);
   shown_->slots = slots_;
   shown_->settings = settings;
@@ -129,7 +130,7 @@ void GrowingPicture::trace_tile(const Tile& tile, std::size_t slot, const std::a
   for_each_pixel(tile, [&](std::size_t x, std::size_t y) {
     if (stop) return;
     PixelSums& sums = sums_[slot][y * settings_.width + x];
-    if (sample() == 0) sums = {};
+    if (sample() == 0) std::construct_at(&sums);
     const PathSample path = tracers_[slot]->trace(x, y, sample());
     sums.add(path);
     tally.rays[slot] += path.rays;

@@ -10,7 +10,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <vector>
+#include <type_traits>
 
 #include "harness/path_tracer/pixel_layers.h"
 #include "harness/path_tracer/render.h"
@@ -45,6 +45,35 @@ struct PictureFigures {
   double mrays_per_thread_second(std::size_t slot) const {
     return thread_seconds[slot] > 0 ? static_cast<double>(rays[slot]) / 1e6 / thread_seconds[slot] : 0;
   }
+};
+
+/// Elements that do not exist before they are constructed: memory that the coarsest pass does not need costs
+/// it nothing.
+template <typename T>
+class UntouchedArray {
+  static_assert(std::is_trivially_destructible_v<T>);
+
+ public:
+  /// Elements are lost where `size` is another one.
+  void resize(std::size_t size) {
+    if (size == size_) return;
+    elements_ = {};
+    size_ = 0;
+    if (size == 0) return;
+    elements_ = {std::allocator<T>().allocate(size), Free{size}};
+    size_ = size;
+  }
+  std::size_t size() const { return size_; }
+  T& operator[](std::size_t i) { return elements_.get()[i]; }
+  const T& operator[](std::size_t i) const { return elements_.get()[i]; }
+
+ private:
+  struct Free {
+    std::size_t size = 0;
+    void operator()(T* elements) const { std::allocator<T>().deallocate(elements, size); }
+  };
+  std::unique_ptr<T, Free> elements_;
+  std::size_t size_ = 0;
 };
 
 class GrowingPicture {
@@ -84,7 +113,7 @@ class GrowingPicture {
   std::size_t slots_ = 0;
   RenderSettings settings_;
   std::array<std::optional<PathTracer>, kSlots> tracers_;
-  std::array<std::vector<PixelSums>, kSlots> sums_;  ///< of pixels not traced yet: an older picture's
+  std::array<UntouchedArray<PixelSums>, kSlots> sums_;  ///< of pixels not traced yet: nothing
   std::atomic<std::size_t> passes_{0};
   ShownPicturePool pool_;
   std::shared_ptr<ShownPicture> shown_;

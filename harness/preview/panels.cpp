@@ -113,6 +113,9 @@ void draw_structures(PreviewModel& model) {
   draw_structure_choice(model, 0);
   draw_structure_choice(model, 1);
   draw_figures(model.state());
+  for (std::size_t slot = 0; slot < kSlots; ++slot) {
+    if (model.is_building(slot)) text("{}: building", slot == 0 ? "A" : "B");
+  }
   const PictureFigures& figures = model.state().figures;
   text("{} of {} samples, {:.1f} s", figures.samples, model.most_samples(), figures.seconds);
 }

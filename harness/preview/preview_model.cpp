@@ -19,8 +19,10 @@ namespace stbvh::harness {
 
 namespace fs = std::filesystem;
 
-PreviewModel::PreviewModel(const Options& options, std::size_t most_samples)
-    : options_(options), most_samples_(most_samples), session_(options.threads, most_samples) {
+PreviewModel::PreviewModel(const Options& options, std::size_t most_samples, PreviewSession::OnNews on_news)
+    : options_(options),
+      most_samples_(most_samples),
+      session_(options.threads, most_samples, std::move(on_news)) {
   for (std::size_t slot = 0; slot < kSlots && slot < options.structures.size(); ++slot)
     structures_[slot] = options.structures[slot];
 }
@@ -78,6 +80,12 @@ void PreviewModel::update(double elapsed, std::size_t width, std::size_t height)
   if (loading.ended != requests_ended_ && !loading.problem.empty()) say(loading.problem);
   requests_ended_ = loading.ended;
   is_loaded_ = !loading.is_busy;
+}
+
+bool PreviewModel::is_building(std::size_t slot) const {
+  const BuiltStructurePtr& built = state_.structures[slot];
+  const bool is_there = structures_[slot].empty() || (built && built->name == structures_[slot]);
+  return !is_there && load_progress().is_busy;
 }
 
 float PreviewModel::tree_time() const {

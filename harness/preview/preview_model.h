@@ -33,8 +33,9 @@ struct ViewImage {
 
 class PreviewModel {
  public:
-  /// `options`: how scenes are made, threads, seed; `most_samples`: where pictures end.
-  PreviewModel(const Options& options, std::size_t most_samples);
+  /// `options`: how scenes are made, threads, seed; `most_samples`: where pictures end; `on_news`: called
+  /// from other threads when update() would find structures, or a new picture.
+  PreviewModel(const Options& options, std::size_t most_samples, PreviewSession::OnNews on_news = {});
 
   /// A built-in scene or a file, through the structures that are chosen. Where it is neither, problem() says
   /// so and the last scene stays.
@@ -69,6 +70,8 @@ class PreviewModel {
   const TreeLevel& boxes() const { return boxes_; }
 
   const SessionState& state() const { return state_; }
+  /// The structure of `slot` is chosen, and still being built.
+  bool is_building(std::size_t slot) const;
   LoadProgress load_progress() const { return session_.load_progress(); }
   void cancel() { session_.loader().cancel(); }
   /// One sentence about what could not be done, or was; empty: nothing to say.

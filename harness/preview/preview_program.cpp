@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 #include <imgui.h>
 
+#include <atomic>
 #include <chrono>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <optional>
 #include <utility>
 
 #include "harness/cli/usage_error.h"
@@ -25,9 +27,10 @@ using Clock = std::chrono::steady_clock;
 
 /// While the user acts, and while only the picture grows: what is left is for those that render.
 constexpr double kLeastFrameSeconds = 1.0 / 60, kLeastQuietFrameSeconds = 1.0 / 40;
-constexpr double kLeastEmptyFrameSeconds = 1.0 / 15;  // before there is a picture: building needs the time
-constexpr double kActiveSeconds = 0.5;                // after input
-constexpr double kIdleSeconds = 0.1;                  // between looks at whether there is anything new
+/// Before there is a picture, which wakes the window: making the scene and building need the time.
+constexpr double kLeastEmptyFrameSeconds = 1.0 / 5;
+constexpr double kActiveSeconds = 0.5;  // after input
+constexpr double kIdleSeconds = 0.1;    // between looks at whether there is anything new
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -38,24 +41,27 @@ class Preview final : public ScriptStage {
   Preview(const PreviewOptions& options, Clock::time_point start)
       : options_(options),
         start_(start),
-        window_("stbvh-preview", static_cast<int>(options.options.render.width),
-                static_cast<int>(options.options.render.height)),
-        model_(options.options, options.most_samples),
+        model_(options.options, options.most_samples, [this] { wake(); }),
         script_(options.script ? read_script(*options.script) : std::vector<ScriptCommand>(), model_, *this) {
     if (options.screenshot) check_writable(*options.screenshot);
     model_.open(options.scene);
     if (!model_.load_progress().is_busy) throw UsageError(model_.message());
+    // The scene is being made meanwhile.
+    window_.emplace("stbvh-preview", static_cast<int>(options.options.render.width),
+                    static_cast<int>(options.options.render.height));
+    is_awaiting_picture_ = true;
+    window_ready_ = Clock::now();
   }
 
   void run() {
-    while (!window_.is_closed()) {
-      const bool has_input = window_.wait_for_input(pause());
+    while (!window_->is_closed()) {
+      const bool has_input = window_->wait_for_input(pause());
       if (has_input) last_input_ = Clock::now();
-      for (const std::string& file : window_.take_dropped()) model_.open(file);
+      for (const std::string& file : window_->take_dropped()) model_.open(file);
       const double elapsed = seconds_since(last_update_);
       last_update_ = Clock::now();
       if (!script_.is_done()) script_.step(elapsed);
-      if (window_.is_closed()) break;
+      if (window_->is_closed()) break;
       draw(elapsed);
       fail_without_a_scene();
       // A frame that waited for something to show is no measure of the window.
@@ -64,32 +70,40 @@ class Preview final : public ScriptStage {
       is_idle_ = !has_news(has_input);
       end_where_done();
     }
-    window_.hide();  // threads may still take a moment to end
+    window_->hide();  // threads may still take a moment to end
     if (options_.prints_statistics) print_statistics();
   }
 
-  void resize(int width, int height) override { window_.resize(width, height); }
+  void resize(int width, int height) override { window_->resize(width, height); }
   void show_panels(bool shown) override { panels_.is_shown = shown; }
   void take_screenshot(const std::filesystem::path& file) override { screenshot_ = file; }
-  void close() override { window_.close(); }
+  void close() override { window_->close(); }
 
  private:
   void draw(double elapsed) {
-    window_.begin_frame();
+    window_->begin_frame();
     const ImVec2 size = ImGui::GetIO().DisplaySize;
-    const WindowArea area = picture_area(panels_, size.x, size.y, window_.scale());
-    const Window::PixelCount pixels = window_.pixels_of(area);
-    handle_picture_input(model_, panels_, area, window_);
+    const WindowArea area = picture_area(panels_, size.x, size.y, window_->scale());
+    const Window::PixelCount pixels = window_->pixels_of(area);
+    handle_picture_input(model_, panels_, area, *window_);
     model_.update(elapsed, pixels.width, pixels.height);
     const ViewImage& view = model_.view();
-    window_.show_image(view.image, view.number, area);
-    draw_split_line(model_, area, window_.scale());
-    draw_panels(model_, panels_, times_, area, window_);
-    window_.end_frame([this] {
-      if (screenshot_) write_png(window_.read_frame(), *std::exchange(screenshot_, std::nullopt));
+    window_->show_image(view.image, view.number, area);
+    draw_split_line(model_, area, window_->scale());
+    draw_panels(model_, panels_, times_, area, *window_);
+    window_->end_frame([this] {
+      if (screenshot_) write_png(window_->read_frame(), *std::exchange(screenshot_, std::nullopt));
     });
-    if (frames_ == 0 && view.number > 0) first_picture_ = seconds_since(start_);
-    if (view.number > 0) ++frames_;
+    is_drawn_ = true;
+    if (view.number == 0) return;
+    if (frames_ == 0) first_picture_ = seconds_since(start_);
+    is_awaiting_picture_ = false;
+    ++frames_;
+  }
+
+  /// From other threads. Later the window is drawn often enough without.
+  void wake() {
+    if (is_awaiting_picture_) Window::wake();
   }
 
   /// The first scene that cannot be read ends the program: there is nothing to stay.
@@ -111,6 +125,7 @@ class Preview final : public ScriptStage {
   }
 
   double pause() const {
+    if (!is_drawn_) return 0;
     if (is_idle_) return kIdleSeconds;
     const double quiet = frames_ == 0 ? kLeastEmptyFrameSeconds : kLeastQuietFrameSeconds;
     const double least = seconds_since(last_input_) < kActiveSeconds ? kLeastFrameSeconds : quiet;
@@ -122,12 +137,14 @@ class Preview final : public ScriptStage {
     if (frames_ == options_.frames) {
       screenshot_ = options_.screenshot;
     } else if (frames_ > options_.frames) {
-      window_.close();
+      window_->close();
     }
   }
 
   void print_statistics() const {
-    fmt::print("first picture after {:.3f} s\n", first_picture_);
+    fmt::print("first picture after {:.3f} s (the window was there after {}, the scene {}, A {}, B {})\n",
+               first_picture_, after(window_ready_), after(model_.load_progress().made),
+               after(model_.load_progress().built[0]), after(model_.load_progress().built[1]));
     fmt::print("the last picture was there, coarse, after {:.1f} ms\n",
                1e3 * model_.state().figures.first_pass_seconds);
     fmt::print("{} frames, {:.1f} a second; 95 % within {:.1f} ms, slowest {:.1f} ms\n", times_.count(),
@@ -136,10 +153,16 @@ class Preview final : public ScriptStage {
     std::fflush(stdout);
   }
 
+  /// From the start of the program.
+  std::string after(std::optional<Clock::time_point> time) const {
+    return time ? fmt::format("{:.3f} s", std::chrono::duration<double>(*time - start_).count()) : "-";
+  }
+
   PreviewOptions options_;
-  Clock::time_point start_, last_swap_ = Clock::now(), last_update_ = Clock::now();
+  Clock::time_point start_, window_ready_, last_swap_ = Clock::now(), last_update_ = Clock::now();
   Clock::time_point last_input_{};  // long ago
-  Window window_;
+  std::optional<Window> window_;    ///< the last to go: threads of the model wake it
+  std::atomic<bool> is_awaiting_picture_{false};
   PreviewModel model_;
   PanelState panels_;
   FrameTimes times_;
@@ -147,6 +170,7 @@ class Preview final : public ScriptStage {
   std::optional<std::filesystem::path> screenshot_;
   std::size_t frames_ = 0;  ///< with a picture in them
   double first_picture_ = 0;
+  bool is_drawn_ = false;  ///< for the first time
   bool is_idle_ = false;
 };
 

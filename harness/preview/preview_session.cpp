@@ -1,11 +1,16 @@
 #include "harness/preview/preview_session.h"
 
+#include <chrono>
 #include <exception>
 #include <new>
 #include <utility>
 
 namespace stbvh::harness {
 namespace {
+
+/// Longest that the build of B waits for the first picture through A: no longer than a user would notice,
+/// where the window does not ask for one.
+constexpr std::chrono::milliseconds kLongestWaitForPicture{300};
 
 bool is_same(Vec3f a, Vec3f b) {
   return a.x == b.x && a.y == b.y && a.z == b.z;
@@ -26,12 +31,13 @@ bool is_same(const RenderSettings& a, const RenderSettings& b) {
 
 }  // namespace
 
-PreviewSession::PreviewSession(unsigned threads, std::size_t most_samples)
+PreviewSession::PreviewSession(unsigned threads, std::size_t most_samples, OnNews on_news)
     : most_samples_(most_samples),
+      on_news_(std::move(on_news)),
       crew_(threads),
       picture_(crew_),
       renderer_([this] { render(); }),
-      loader_(threads, [this](const BuiltPair& structures) { deliver(structures); }) {}
+      loader_(threads, [this](const BuiltPair& structures, bool is_last) { deliver(structures, is_last); }) {}
 
 PreviewSession::~PreviewSession() {
   {
@@ -40,6 +46,7 @@ PreviewSession::~PreviewSession() {
     stop_pass_ = true;
   }
   wake_.notify_all();
+  first_shown_.notify_all();
   renderer_.join();
 }
 
@@ -53,15 +60,28 @@ void PreviewSession::set_settings(const RenderSettings& settings, std::uint64_t 
   change();
 }
 
-void PreviewSession::deliver(const BuiltPair& structures) {
-  const std::lock_guard lock(mutex_);
+void PreviewSession::deliver(const BuiltPair& structures, bool is_last) {
+  std::unique_lock lock(mutex_);
   const bool is_new_scene = !state_.structures[0] || state_.structures[0]->scene != structures[0]->scene;
   state_.structures = structures;
   if (is_new_scene) {
     ++state_.scene_number;
-    has_settings_ = false;
+    has_settings_ = has_shown_scene_ = false;
   }
   change();
+  lock.unlock();
+  tell();
+  lock.lock();
+  if (is_new_scene && !is_last) wait_for_first_picture(lock);
+}
+
+/// What comes next is the build of B, which would take the processors from the coarsest pass.
+void PreviewSession::wait_for_first_picture(std::unique_lock<std::mutex>& lock) {
+  first_shown_.wait_for(lock, kLongestWaitForPicture, [this] { return quit_ || has_shown_scene_; });
+}
+
+void PreviewSession::tell() const {
+  if (on_news_) on_news_();
 }
 
 /// Locked. The coarsest pass of a picture is always ended: else a camera that moves fast would show nothing.
@@ -131,7 +151,12 @@ void PreviewSession::begin_picture(std::unique_lock<std::mutex>& lock) {
   lock.lock();
   is_begun_ = problem.empty();
   state_.problem = problem;
-  if (is_begun_) grow_picture(lock);
+  if (is_begun_) {
+    grow_picture(lock);
+  } else {
+    has_shown_scene_ = true;  // it never will be
+    first_shown_.notify_all();
+  }
 }
 
 void PreviewSession::do_work(std::unique_lock<std::mutex>& lock) {
@@ -150,11 +175,15 @@ void PreviewSession::grow_picture(std::unique_lock<std::mutex>& lock) {
     is_begun_ = false;  // spoilt; another one comes
     return;
   }
-  if (picture_.passes() == 1) {
-    state_.picture = picture_.shown();
-    ++state_.picture_number;
-  }
   state_.figures = picture_.figures();
+  if (picture_.passes() != 1) return;
+  state_.picture = picture_.shown();
+  ++state_.picture_number;
+  has_shown_scene_ = rendered_[0]->scene == state_.structures[0]->scene;
+  lock.unlock();
+  first_shown_.notify_all();
+  tell();
+  lock.lock();
 }
 
 }  // namespace stbvh::harness

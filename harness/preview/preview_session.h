@@ -29,8 +29,11 @@ struct SessionState {
 
 class PreviewSession {
  public:
+  /// Called from the threads when structures or a new picture are there.
+  using OnNews = std::function<void()>;
+
   /// Builds and renders with `threads` threads; pictures end at `most_samples` samples.
-  PreviewSession(unsigned threads, std::size_t most_samples);
+  PreviewSession(unsigned threads, std::size_t most_samples, OnNews on_news = {});
   ~PreviewSession();
   PreviewSession(const PreviewSession&) = delete;
   PreviewSession& operator=(const PreviewSession&) = delete;
@@ -52,7 +55,9 @@ class PreviewSession {
   void with_picture(PictureWork work);
 
  private:
-  void deliver(const BuiltPair& structures);
+  void deliver(const BuiltPair& structures, bool is_last);
+  void wait_for_first_picture(std::unique_lock<std::mutex>& lock);
+  void tell() const;
   void render();
   void change();
   void begin_picture(std::unique_lock<std::mutex>& lock);
@@ -62,14 +67,16 @@ class PreviewSession {
   bool can_work() const;
 
   const std::size_t most_samples_;
+  const OnNews on_news_;
   mutable std::mutex mutex_;
-  std::condition_variable wake_;
+  std::condition_variable wake_, first_shown_;
   RenderSettings settings_;
   bool has_settings_ = false;
   bool is_changed_ = false;  ///< settings or structures, since the picture was begun
   bool quit_ = false;
   std::atomic<bool> stop_pass_{false};
-  bool is_begun_ = false;  ///< there is a picture to add passes to
+  bool is_begun_ = false;         ///< there is a picture to add passes to
+  bool has_shown_scene_ = false;  ///< something in every place, since the scene came
   std::vector<PictureWork> work_;
   SessionState state_;
   WorkCrew crew_;

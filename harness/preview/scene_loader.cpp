@@ -18,7 +18,7 @@ SceneLoader::~SceneLoader() {
   {
     const std::lock_guard lock(mutex_);
     quit_ = true;
-    cancelled_ = true;
+    stop();
   }
   wake_.notify_all();
   thread_.join();
@@ -34,7 +34,7 @@ void SceneLoader::request(LoadRequest request) {
       request.asked_scene = unfinished->asked_scene;
     }
     next_ = std::move(request);
-    cancelled_ = progress_.is_busy;
+    if (progress_.is_busy) stop();
     progress_.is_busy = true;
     progress_.problem.clear();
   }
@@ -43,8 +43,23 @@ void SceneLoader::request(LoadRequest request) {
 
 void SceneLoader::cancel() {
   const std::lock_guard lock(mutex_);
+  const bool is_taken = !next_ || is_serving_;
   next_.reset();
+  stop();
+  if (!is_taken) end("Cancelled.");  // the thread will never see it
+}
+
+/// Locked.
+void SceneLoader::end(const std::string& problem) {
+  progress_.is_busy = false;
+  progress_.problem = problem;
+  ++progress_.ended;
+}
+
+/// Locked.
+void SceneLoader::stop() {
   cancelled_ = true;
+  if (making_ != nullptr) making_->cancel();
 }
 
 LoadProgress SceneLoader::progress() const {
@@ -69,6 +84,7 @@ void SceneLoader::serve() {
     const LoadRequest request = std::exchange(next_, std::nullopt).value();
     if (request.source) opening_ = request;
     cancelled_ = false;
+    is_serving_ = true;
     lock.unlock();
     std::string problem;
     try {
@@ -82,10 +98,8 @@ void SceneLoader::serve() {
     }
     lock.lock();
     opening_.reset();
-    if (next_) continue;  // what was wrong with an older request is of no interest
-    progress_.is_busy = false;
-    progress_.problem = problem;
-    ++progress_.ended;
+    is_serving_ = false;
+    if (!next_) end(problem);  // else it is of no interest what was wrong with the older request
   }
 }
 
@@ -104,8 +118,10 @@ void SceneLoader::carry_out(const LoadRequest& request) {
     {
       const std::lock_guard lock(mutex_);
       opening_.reset();
+      if (pair[slot]) progress_.built[slot] = std::chrono::steady_clock::now();
     }
-    deliver_(pair);
+    const bool has_b = !request.structures[1].empty();
+    deliver_(pair, slot + 1 == kSlots || !has_b);
   }
 }
 
@@ -115,8 +131,32 @@ std::shared_ptr<const Scene> SceneLoader::load(const LoadRequest& request) {
     return present_[0]->scene;
   }
   set_stage(fmt::format("{}: making the scene", request.source->name));
-  auto scene = std::make_shared<const Scene>(request.source->load());
+  auto scene = std::make_shared<const Scene>(make(*request.source));
+  const std::lock_guard lock(mutex_);
+  progress_.made = std::chrono::steady_clock::now();
+  return scene;
+}
+
+/// In a task group: what makes scenes looks at whether it is cancelled (harness/scenes/cancellation.h).
+Scene SceneLoader::make(const SceneSource& source) {
+  Scene scene;
+  tbb::task_group group;
+  const auto set_making = [this](tbb::task_group* making) {
+    const std::lock_guard lock(mutex_);
+    making_ = making;
+  };
+  set_making(&group);
+  std::exception_ptr problem;
+  group.run_and_wait([&] {
+    try {
+      if (!cancelled_) scene = source.load();
+    } catch (...) {
+      problem = std::current_exception();
+    }
+  });
+  set_making(nullptr);
   if (cancelled_) throw BuildCancelled();
+  if (problem) std::rethrow_exception(problem);
   return scene;
 }
 

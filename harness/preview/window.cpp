@@ -146,6 +146,10 @@ bool Window::wait_for_input(double seconds) {
   return std::exchange(has_input_, false);
 }
 
+void Window::wake() {
+  glfwPostEmptyEvent();
+}
+
 std::vector<std::string> Window::take_dropped() {
   return std::exchange(dropped_, {});
 }

@@ -46,8 +46,11 @@ class Window {
   };
   PixelCount pixels_of(const WindowArea& area) const;
 
-  /// Takes what the user has done, waiting for it for at most `seconds`. True where there was anything.
+  /// Takes what the user has done, waiting for it, or for wake(), for at most `seconds`. True where there was
+  /// anything.
   bool wait_for_input(double seconds);
+  /// Ends wait_for_input(). From any thread, as long as there is the window.
+  static void wake();
   /// Files that were dropped since the last call.
   std::vector<std::string> take_dropped();
 

@@ -1,9 +1,12 @@
 /// The preview's model with its threads: opening, building, cancelling, saving.
 #include <gtest/gtest.h>
 
+#include <array>
+#include <atomic>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -132,6 +135,78 @@ TEST_F(PreviewModelTest, CancelsABuildOfEachKind) {
     EXPECT_EQ(model.message(), "Cancelled.") << name;
     EXPECT_FALSE(model.state().structures[0]);
   }
+}
+
+/// Many seconds to make, of each kind: bodies, cloth, fur, machines.
+constexpr std::array<const char*, 6> kSlowScenes{"dancer", "cloth", "llama", "crowd", "barbarian", "train"};
+constexpr double kSlowScale = 8;
+/// Cancelling takes milliseconds; the rest is for machines that are busy.
+constexpr std::chrono::seconds kSoon{5};
+
+TEST_F(PreviewModelTest, CancelsTheMakingOfAScene) {
+  for (const char* name : kSlowScenes) {
+    PreviewModel model(options(kSlowScale), 2);
+    model.open(name);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    ASSERT_NE(model.load_progress().stage.find("making"), std::string::npos) << name;
+    const auto start = std::chrono::steady_clock::now();
+    model.cancel();
+    ASSERT_TRUE(wait_idle(model));
+    EXPECT_LT(std::chrono::steady_clock::now() - start, kSoon) << name;
+    EXPECT_EQ(model.message(), "Cancelled.") << name;
+    EXPECT_EQ(model.load_progress().builds, 0u);
+  }
+}
+
+TEST_F(PreviewModelTest, CancelsWhatWasNotBegunYet) {
+  PreviewModel model(options(), 2);
+  for (std::size_t i = 1; i <= 50; ++i) {
+    model.open("wheels");
+    model.cancel();
+    ASSERT_TRUE(wait_idle(model)) << i;
+    EXPECT_EQ(model.load_progress().ended, i);
+    EXPECT_EQ(model.message(), "Cancelled.");
+  }
+}
+
+TEST_F(PreviewModelTest, AFileThatIsDroppedDoesNotWaitForTheSceneThatIsBeingMade) {
+  PreviewModel model(options(kSlowScale), 1);
+  model.open("dancer");
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const auto start = std::chrono::steady_clock::now();
+  model.open(STBVH_SOURCE_DIR "/data/bending_tube.glb");
+  ASSERT_TRUE(wait(model, 1));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, 2 * kSoon);
+  EXPECT_EQ(model.state().structures[0]->scene->name, "bending_tube");
+  EXPECT_EQ(model.message(), "");
+}
+
+TEST_F(PreviewModelTest, EndsWhileASceneIsBeingMade) {
+  std::optional<PreviewModel> model;
+  model.emplace(options(kSlowScale), 2);
+  model->open("dancer");
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const auto start = std::chrono::steady_clock::now();
+  model.reset();
+  EXPECT_LT(std::chrono::steady_clock::now() - start, kSoon);
+}
+
+TEST_F(PreviewModelTest, ShowsAWhileBIsBeingBuilt) {
+  Options o = options(0.3);
+  o.structures = {"embree", "lbvh"};
+  std::atomic<std::size_t> news{0};
+  PreviewModel model(o, 2, [&] { ++news; });
+  model.open("wheels");
+  bool was_shown = false;
+  ASSERT_TRUE(live(model, [&] {
+    const bool is_waiting_for_b = model.is_building(1) && !model.state().structures[1];
+    was_shown = was_shown || (is_waiting_for_b && model.view().number > 0);
+    return model.has_samples(2);
+  }));
+  EXPECT_TRUE(was_shown) << "the picture through A is there before B is";
+  EXPECT_FALSE(model.is_building(0));
+  EXPECT_FALSE(model.is_building(1));
+  EXPECT_GE(news, 4u) << "two structures, and a picture with each";
 }
 
 TEST_F(PreviewModelTest, EndsWhileBuildingAndWhileOpeningAgainAndAgain) {

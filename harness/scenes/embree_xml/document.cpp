@@ -6,6 +6,7 @@
 #include <iterator>
 #include <system_error>
 
+#include "harness/scenes/cancellation.h"
 #include "harness/scenes/embree_xml/numbers.h"
 #include "harness/scenes/embree_xml/problem.h"
 #include "harness/scenes/scene_file.h"
@@ -14,6 +15,8 @@ namespace stbvh::harness::embree_xml {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::size_t kNumbersBetweenChecks = 4096;  // for cancellation
 
 std::string read_text(const fs::path& file) {
   std::error_code error;
@@ -137,6 +140,7 @@ std::vector<T> Document::numbers(pugi::xml_node array, std::size_t per_element) 
       const auto value = parse_number<T>(word);
       if (!value) fail(array, "its <{}> has \"{}\" among its numbers", array.name(), word.substr(0, 40));
       values.push_back(*value);
+      if (values.size() % kNumbersBetweenChecks == 0) check_cancelled();
     }
   }
   if (values.size() % per_element != 0)

@@ -1,11 +1,10 @@
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <numeric>
 
+#include "harness/scenes/cancellation.h"
 #include "harness/scenes/embree_xml/node.h"
 #include "harness/scenes/embree_xml/problem.h"
 #include "harness/scenes/scene_file.h"
@@ -107,6 +106,7 @@ TimeRange time_range_of(const Mesh& mesh, const Placement& placement) {
 class Flattener {
  public:
   void visit(const Node& node, const Placement& placement) {
+    check_cancelled();
     if (const auto* const transform = std::get_if<Transform>(&node.content)) {
       const Placement below = composed(placement, *transform);
       for (const NodePtr& child : node.children) visit(*child, below);
@@ -140,7 +140,7 @@ class Flattener {
     placed.time_range = placement.moves() ? time_range_of(mesh, placement) : mesh.time_range;
     placed.steps.resize(steps);
     std::vector<char> finite(steps);
-    tbb::parallel_for(std::size_t{0}, steps, [&](std::size_t i) {
+    for_all(steps, [&](std::size_t i) {
       placed.steps[i] = VertexBuffer(mesh.steps.front().size());
       const Affine map = interpolated(placement.keys, key_at(i, steps, placement.keys.size()));
       finite[i] = place_step(mesh, key_at(i, steps, mesh.steps.size()), map, placed.steps[i]);

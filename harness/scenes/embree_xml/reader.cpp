@@ -5,6 +5,7 @@
 #include <new>
 #include <string_view>
 
+#include "harness/scenes/cancellation.h"
 #include "harness/scenes/embree_xml/disc_light.h"
 #include "harness/scenes/embree_xml/document.h"
 #include "harness/scenes/embree_xml/material.h"
@@ -94,6 +95,7 @@ class Reader {
   /// Reads all children of `element` from `first` on.
   void add_children(Node& parent, pugi::xml_node first) {
     for (pugi::xml_node child = first; child; child = child.next_sibling()) {
+      check_cancelled();
       if (child.type() == pugi::node_element) add(parent, read(child), child);
     }
   }

@@ -1,10 +1,10 @@
 #include "harness/scenes/gltf/adaptive_steps.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+
+#include "harness/scenes/cancellation.h"
 
 namespace stbvh::harness::gltf {
 namespace {
@@ -65,7 +65,7 @@ class StepChooser {
  private:
   std::vector<VertexBuffer> make_steps(std::size_t count) const {
     std::vector<VertexBuffer> steps(count);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    for_all(count, [&](std::size_t i) {
       const double fraction = count > 1 ? step_fraction(i, count - 1) : 0.0;
       steps[i] = deform(primitive_, timeline_.pose(fraction));
     });
@@ -100,7 +100,7 @@ class StepChooser {
     const std::vector<double> fractions = moments(segments);
     std::vector<Witness> worst(fractions.size());
     std::atomic<bool> is_refused = false;
-    tbb::parallel_for(std::size_t{0}, fractions.size(), [&](std::size_t i) {
+    for_all(fractions.size(), [&](std::size_t i) {
       if (may_stop && is_refused) return;
       const VertexBuffer truth = deform(primitive_, timeline_.pose(fractions[i]));
       const Moment moment = moment_at(fractions[i], segments);

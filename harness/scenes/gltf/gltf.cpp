@@ -1,7 +1,6 @@
 #include "harness/scenes/gltf/gltf.h"
 
 #include <fmt/core.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <new>
 #include <vector>
 
+#include "harness/scenes/cancellation.h"
 #include "harness/scenes/gltf/adaptive_steps.h"
 #include "harness/scenes/gltf/clip.h"
 #include "harness/scenes/gltf/framing.h"
@@ -61,6 +61,7 @@ std::vector<NamedPrimitive> read_primitives(const tinygltf::Model& model, const 
     }
     const auto& sources = model.meshes[static_cast<std::size_t>(mesh_index)].primitives;
     for (std::size_t i = 0; i < sources.size(); ++i) {
+      check_cancelled();
       std::optional<Primitive> primitive = read_primitive(model, node, sources[i]);
       if (!primitive) continue;
       bytes += primitive->vertex_count() * sizeof(Vec3f) * most_steps;
@@ -77,8 +78,7 @@ std::vector<NamedPrimitive> read_primitives(const tinygltf::Model& model, const 
 /// All steps of a primitive, or one if it stands still.
 std::vector<VertexBuffer> all_steps(const Primitive& primitive, const std::vector<Pose>& poses) {
   std::vector<VertexBuffer> steps(poses.size());
-  tbb::parallel_for(std::size_t{0}, poses.size(),
-                    [&](std::size_t i) { steps[i] = deform(primitive, poses[i]); });
+  for_all(poses.size(), [&](std::size_t i) { steps[i] = deform(primitive, poses[i]); });
   const bool still = std::all_of(steps.begin() + 1, steps.end(),
                                  [&](const VertexBuffer& step) { return same_bits(steps.front(), step); });
   if (still) steps.resize(1);
@@ -99,6 +99,7 @@ double scene_diagonal(const std::vector<NamedPrimitive>& primitives, const Timel
   Scene corners;  // of what was seen so far, as the steps of a mesh
   std::vector<VertexBuffer>& seen = corners.meshes.emplace_back().steps;
   for (const Pose& pose : equidistant_poses(timeline, 33)) {
+    check_cancelled();
     for (const NamedPrimitive& named : primitives) seen.push_back(deform(named.primitive, pose));
     const Box3f box = corners.bounds();
     seen.assign(1, VertexBuffer(2));

@@ -10,6 +10,8 @@
 #include <string_view>
 #include <utility>
 
+#include "harness/scenes/cancellation.h"
+
 namespace stbvh::harness {
 namespace {
 
@@ -73,6 +75,7 @@ class Parser {
   ObjFile run() {
     std::string_view line;
     while (lines_.next(line)) {
+      check_cancelled();
       const std::string_view keyword = take_word(line);
       if (keyword == "v") add_position(line);
       if (keyword == "f") add_face(line);

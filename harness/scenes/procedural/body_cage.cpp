@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "harness/scenes/cancellation.h"
 #include "harness/scenes/subdivision/subdivision.h"
 
 namespace stbvh::harness {
@@ -37,7 +38,7 @@ void fit(Shape& shape, const ImplicitBody& body) {
   for (int iteration = 0; iteration < kFitIterations; ++iteration) {
     cage.steps = {to_buffer(shape.positions)};
     const Mesh limit = refine(cage, {0, {}});
-    tbb::parallel_for(std::size_t{0}, shape.positions.size(), [&](std::size_t v) {
+    for_all(shape.positions.size(), [&](std::size_t v) {
       const Vec3 p = to_double(limit.steps[0][v]);
       shape.positions[v] = shape.positions[v] - normalize(body.gradient(p, 1e-3)) * body.distance(p);
     });

@@ -1,6 +1,7 @@
 /// A square cloth over a ball on a post, waving in a gust.
 #include <algorithm>
 
+#include "harness/scenes/cancellation.h"
 #include "harness/scenes/procedural/cloth_simulation.h"
 #include "harness/scenes/procedural/scene_makers.h"
 #include "harness/scenes/procedural/scene_plan.h"
@@ -92,7 +93,7 @@ Scene make_cloth_with_steps(double scale, std::uint64_t seed, std::size_t steps)
     }
     const double f = std::min(1 - (static_cast<double>(done) - substeps), 1.0);
     VertexBuffer& buffer = mesh.steps.emplace_back(grid.positions.size());
-    tbb::parallel_for(std::size_t{0}, buffer.size(), [&](std::size_t i) {
+    for_all(buffer.size(), [&](std::size_t i) {
       const Vec3 p = grid.positions[i];
       buffer[i] = to_float(before.surface(p.x, p.y) * (1 - f) + cloth.surface(p.x, p.y) * f);
     });

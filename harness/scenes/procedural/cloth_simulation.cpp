@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "harness/scenes/cancellation.h"
+
 namespace stbvh::harness {
 namespace {
 
@@ -109,6 +111,7 @@ void Cloth::run(const ClothWorld& world, double begin, double end, double subste
   const auto count = static_cast<std::size_t>(std::ceil((end - begin) / substep - 1e-9));
   const double dt = (end - begin) / static_cast<double>(std::max<std::size_t>(count, 1));
   for (std::size_t s = 0; s < count; ++s) {
+    check_cancelled();
     const double time = begin + dt * static_cast<double>(s + 1);
     add_forces(world, time, dt);
     before_ = positions_;

@@ -1,6 +1,9 @@
 /// A dancer in a pirouette, her skirt flying out.
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 
+#include "harness/scenes/cancellation.h"
 #include "harness/scenes/procedural/cloth_simulation.h"
 #include "harness/scenes/procedural/human.h"
 #include "harness/scenes/procedural/scene_makers.h"
@@ -150,7 +153,21 @@ class Skirt {
   ClothWorld world_;
 };
 
-Mesh make_skirt(const Skeleton& skeleton, std::size_t triangles, std::uint64_t seed) {
+/// The cloth at each step.
+std::vector<Cloth> simulate_skirt(const Skeleton& skeleton, std::uint64_t seed) {
+  Skirt skirt(skeleton, seed);
+  std::vector<Cloth> steps;
+  double now = -kSettle;
+  for (std::size_t k = 0; k < kSteps; ++k) {
+    const double then = kShutter * step_time(k, kSteps);
+    skirt.advance(now, then);
+    now = then;
+    steps.push_back(skirt.cloth());
+  }
+  return steps;
+}
+
+Mesh make_skirt(const std::vector<Cloth>& steps, std::size_t triangles) {
   const auto rows =
       static_cast<std::size_t>(std::sqrt(static_cast<double>(std::max<std::size_t>(triangles, 24)) / 8));
   const std::size_t columns = std::max<std::size_t>(triangles / (2 * rows), 3);
@@ -164,15 +181,10 @@ Mesh make_skirt(const Skeleton& skeleton, std::size_t triangles, std::uint64_t s
   mesh.name = "skirt";
   mesh.material.color = {0.6f, 0.05f, 0.12f};
   mesh.indices = grid.indices;
-  Skirt skirt(skeleton, seed);
-  double now = -kSettle;
-  for (std::size_t k = 0; k < kSteps; ++k) {
-    const double then = kShutter * step_time(k, kSteps);
-    skirt.advance(now, then);
-    now = then;
+  for (const Cloth& cloth : steps) {
     VertexBuffer& buffer = mesh.steps.emplace_back(grid.positions.size());
-    tbb::parallel_for(std::size_t{0}, buffer.size(), [&](std::size_t i) {
-      buffer[i] = to_float(skirt.cloth().surface(grid.positions[i].x, grid.positions[i].y));
+    for_all(buffer.size(), [&](std::size_t i) {
+      buffer[i] = to_float(cloth.surface(grid.positions[i].x, grid.positions[i].y));
     });
   }
   return mesh;
@@ -208,8 +220,14 @@ Scene make_dancer(double scale, std::uint64_t seed) {
   const auto transforms = transforms_over_steps(
       skeleton, [&](double time) { return dance(skeleton, kShutter * time); }, kSteps);
 
-  const SkinnedShape body = SkinnedShape::from(
-      human.body, skeleton, static_cast<std::size_t>(kBodyShare * static_cast<double>(triangles)));
+  std::vector<Cloth> skirt;
+  SkinnedShape body;
+  tbb::parallel_invoke([&] { skirt = simulate_skirt(skeleton, seed); },
+                       [&] {
+                         const double share = kBodyShare * static_cast<double>(triangles);
+                         body = SkinnedShape::from(human.body, skeleton, static_cast<std::size_t>(share));
+                       });
+  check_cancelled();
   const auto is_shoe = [](Vec3 p) { return p.y < 0.1; };
   const auto is_bodice = [](Vec3 p) {
     return p.y > 0.84 && p.y < 1.37 + 0.4 * std::abs(p.x) && std::abs(p.x) < 0.16 &&
@@ -223,7 +241,7 @@ Scene make_dancer(double scale, std::uint64_t seed) {
                        transforms, {0.3f, 0.3f, 0.3f}));
   add_mesh(scene, skin("hair", make_hairdo(triangles), transforms, {0.07f, 0.03f, 0.015f}));
   const std::size_t used = std::min(scene.triangle_count(), triangles);
-  add_mesh(scene, make_skirt(skeleton, triangles - used, seed));
+  add_mesh(scene, make_skirt(skirt, triangles - used));
   add_stage(scene);
   scene.camera = {{-0.5f, 1.35f, 4.4f}, {0.0f, 1.1f, 0.0f}, {0, 1, 0}, 34.0f};
   return scene;

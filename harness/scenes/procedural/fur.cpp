@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "harness/scenes/cancellation.h"
+
 namespace stbvh::harness {
 namespace {
 
@@ -29,7 +31,7 @@ Vec3 triangle_normal(Vec3 a, Vec3 b, Vec3 c) {
 /// Running sums of the triangles' share of the fur: their area times density.
 std::vector<double> cumulative_density(const Shape& shape, const std::function<FurAt(Vec3, Vec3)>& fur_at) {
   std::vector<double> share(shape.triangle_count());
-  tbb::parallel_for(std::size_t{0}, share.size(), [&](std::size_t t) {
+  for_all(share.size(), [&](std::size_t t) {
     const Vec3 a = shape.positions[shape.indices[3 * t]];
     const Vec3 b = shape.positions[shape.indices[3 * t + 1]];
     const Vec3 c = shape.positions[shape.indices[3 * t + 2]];
@@ -47,7 +49,7 @@ std::vector<Strand> plant(const Shape& shape, const FurSettings& settings,
   const std::vector<double> cumulative = cumulative_density(shape, fur_at);
   std::vector<Strand> strands(settings.strands);
   if (cumulative.empty() || cumulative.back() <= 0) return {};
-  tbb::parallel_for(std::size_t{0}, strands.size(), [&](std::size_t i) {
+  for_all(strands.size(), [&](std::size_t i) {
     Pcg32 random(settings.seed, 2 * i);
     const double place = (static_cast<double>(i) + random.uniform()) / static_cast<double>(strands.size());
     const auto found = std::upper_bound(cumulative.begin(), cumulative.end(), place * cumulative.back());
@@ -157,7 +159,7 @@ std::vector<std::vector<Vec3>> skinned_positions(const SkinnedShape& skin,
   std::vector<std::vector<Vec3>> posed;
   for (const std::vector<Rigid>& at_step : transforms) {
     std::vector<Vec3>& positions = posed.emplace_back(skin.shape.positions.size());
-    tbb::parallel_for(std::size_t{0}, positions.size(), [&](std::size_t i) {
+    for_all(positions.size(), [&](std::size_t i) {
       positions[i] = skin_point(skin.shape.positions[i], skin.weights[i], at_step);
     });
   }
@@ -191,7 +193,7 @@ std::vector<Mesh> grow_fur(const std::string& name, const SkinnedShape& skin, co
     const std::vector<Vec3>& after = posed[k > 0 ? k : std::min<std::size_t>(1, transforms.size() - 1)];
     for (std::size_t c = 0; c < by_colour.size(); ++c) {
       VertexBuffer& buffer = meshes[c].steps.emplace_back(by_colour[c].size() * each);
-      tbb::parallel_for(std::size_t{0}, by_colour[c].size(), [&](std::size_t i) {
+      for_all(by_colour[c].size(), [&](std::size_t i) {
         const Strand& strand = *by_colour[c][i];
         const Vec3 moved = corner_mix(before, strand) - corner_mix(after, strand);
         const double way = kTipLag * static_cast<double>(transforms.size() - 1) * length(moved);

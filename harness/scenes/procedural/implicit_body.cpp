@@ -8,8 +8,8 @@ namespace {
 
 /// Polynomial smooth minimum: exactly min(a, b) where they differ by more than `k`.
 double smooth_min(double a, double b, double k) {
-  const double h = std::max(k - std::abs(a - b), 0.0);
-  return std::min(a, b) - (k > 0 ? h * h / (4 * k) : 0.0);
+  const double h = k - std::abs(a - b);
+  return h > 0 ? std::min(a, b) - h * h / (4 * k) : std::min(a, b);
 }
 
 /// How quickly the influence of a joint falls with the distance from its blobs.
@@ -18,7 +18,10 @@ constexpr double kWeightFalloff = 0.018;
 }  // namespace
 
 double Blob::distance(Vec3 p) const {
-  const auto shrink = [this](Vec3 v) { return Vec3{v.x / scale.x, v.y / scale.y, v.z / scale.z}; };
+  const bool is_round = scale.x == 1 && scale.y == 1 && scale.z == 1;  // most are: no divisions
+  const auto shrink = [&](Vec3 v) {
+    return is_round ? v : Vec3{v.x / scale.x, v.y / scale.y, v.z / scale.z};
+  };
   const Vec3 q = shrink(p - a);
   const Vec3 axis = shrink(b - a);
   const double squared = dot(axis, axis);

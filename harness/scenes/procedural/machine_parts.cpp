@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "harness/scenes/cancellation.h"
+
 namespace stbvh::harness {
 namespace {
 
@@ -57,6 +59,7 @@ std::vector<Cut> fit_cuts(const std::vector<Part>& parts, std::size_t triangles)
   std::vector<Cut> best = cut_all(parts, 0.0);
   double low = 1e-6, high = 1e6;
   for (int i = 0; i < 60; ++i) {
+    check_cancelled();
     const double middle = std::sqrt(low * high);
     std::vector<Cut> cuts = cut_all(parts, middle);
     if (total(cuts) <= triangles) {
@@ -130,7 +133,7 @@ Mesh make_mesh(const Part& part, const Cut* cuts) {
   mesh.material = material_of(part);
   mesh.indices.resize(3 * first_triangle.back());
   for (std::size_t k = 0; k < part.steps; ++k) mesh.steps.emplace_back(first_vertex.back());
-  tbb::parallel_for(std::size_t{0}, part.patches.size(), [&](std::size_t i) {
+  for_all(part.patches.size(), [&](std::size_t i) {
     fill_patch(mesh, part.patches[i], part.motions[i], cuts[i], first_vertex[i], first_triangle[i]);
   });
   return mesh;

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "harness/scenes/cancellation.h"
 #include "harness/scenes/pcg32.h"
 #include "harness/scenes/scene.h"
 #include "harness/scenes/vec3.h"
@@ -125,6 +126,7 @@ std::vector<VertexBuffer> evaluate_steps(std::size_t vertex_count, std::size_t s
                         for (std::size_t i = range.begin(); i < range.end(); ++i)
                           buffer[i] = to_float(position(i, time));
                       });
+    check_cancelled();
   }
   return buffers;
 }

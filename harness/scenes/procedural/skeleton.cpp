@@ -1,5 +1,7 @@
 #include "harness/scenes/procedural/skeleton.h"
 
+#include "harness/scenes/cancellation.h"
+
 namespace stbvh::harness {
 
 std::size_t Skeleton::add(std::size_t parent, Vec3 position) {
@@ -35,8 +37,8 @@ SkinnedShape SkinnedShape::from(const ImplicitBody& body, const Skeleton& skelet
   result.shape = polygonise_to_count(body, triangles);
   const std::vector<Vec3>& positions = result.shape.positions;
   result.weights.resize(positions.size());
-  tbb::parallel_for(std::size_t{0}, positions.size(),
-                    [&](std::size_t i) { result.weights[i] = body.weights(positions[i], skeleton.parents); });
+  for_all(positions.size(),
+          [&](std::size_t i) { result.weights[i] = body.weights(positions[i], skeleton.parents); });
   return result;
 }
 
@@ -96,6 +98,7 @@ Mesh skin(std::string name, const SkinnedShape& skinned, const std::vector<std::
                         for (std::size_t i = range.begin(); i < range.end(); ++i)
                           buffer[i] = to_float(skin_point(rest[i], skinned.weights[i], at_step));
                       });
+    check_cancelled();
   }
   return mesh;
 }

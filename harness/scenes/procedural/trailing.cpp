@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "harness/scenes/cancellation.h"
+
 namespace stbvh::harness {
 namespace {
 
@@ -40,7 +42,7 @@ Mesh trail(std::string name, const TrailingShape& shape, const Skeleton& skeleto
     for (std::size_t i = 0; i <= kPastPoses; ++i)
       past.push_back(skin_transforms(skeleton, pose(step_time(k, steps) - spacing * static_cast<double>(i))));
     VertexBuffer& buffer = mesh.steps.emplace_back(rest.size());
-    tbb::parallel_for(std::size_t{0}, rest.size(), [&](std::size_t i) {
+    for_all(rest.size(), [&](std::size_t i) {
       const double back = shape.lag[i] / spacing;
       const auto whole = static_cast<std::size_t>(back);
       const SkinWeights& weights = shape.skinned.weights[i];

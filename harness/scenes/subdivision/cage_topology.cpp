@@ -9,6 +9,7 @@
 #include <memory>
 #include <string>
 
+#include "harness/scenes/cancellation.h"
 #include "harness/scenes/subdivision/cage_check.h"
 
 namespace stbvh::harness::subdivision {
@@ -184,6 +185,7 @@ CageTopology refine_topology(const SubdivisionCage& cage, unsigned level) {
   Far::TopologyRefiner::UniformOptions options(static_cast<int>(refined_level));
   options.fullTopologyInLastLevel = true;
   refiner->RefineUniform(options);
+  check_cancelled();
   CageTopology result;
   result.indices = triangles_of(refiner->GetLevel(static_cast<int>(level)));
   if (result.indices.empty()) fail("all faces of the cage are holes or lie at a border");
@@ -195,6 +197,7 @@ CageTopology refine_topology(const SubdivisionCage& cage, unsigned level) {
   LimitRecorder recorder(is_used);
   Far::PrimvarRefinerReal<double>(*refiner).Limit(OwnIndex{}, recorder);
   result.limit = recorder.take();
+  check_cancelled();
   result.refined = refined_sums(*refiner);
   std::vector<std::uint32_t> renumbered(is_used.size(), 0);
   std::uint32_t next = 0;

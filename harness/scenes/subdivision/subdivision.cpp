@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "harness/scenes/cancellation.h"
 #include "harness/scenes/subdivision/cage_check.h"
 #include "harness/scenes/subdivision/cage_topology.h"
 
@@ -31,6 +32,7 @@ void apply(const WeightedSums& sums, const Column& column, const Store& store) {
       store(row, sum);
     }
   });
+  check_cancelled();
 }
 
 /// One step of the mesh; in double, rounded once.
@@ -61,8 +63,8 @@ Mesh refine_to_level(const SubdivisionCage& cage, unsigned level) {
   CageTopology topology = refine_topology(cage, level);
   Mesh mesh;
   mesh.steps.resize(cage.steps.size());
-  tbb::parallel_for(std::size_t{0}, cage.steps.size(),
-                    [&](std::size_t s) { mesh.steps[s] = limit_positions(topology, cage.steps[s]); });
+  for_all(cage.steps.size(),
+          [&](std::size_t s) { mesh.steps[s] = limit_positions(topology, cage.steps[s]); });
   mesh.indices = std::move(topology.indices);
   return mesh;
 }
