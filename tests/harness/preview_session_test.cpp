@@ -6,6 +6,7 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <optional>
 #include <string>
 #include <thread>
@@ -119,21 +120,28 @@ TEST_F(PreviewModelTest, StructuresAreChangedOneByOne) {
   EXPECT_EQ(model.tree(), nullptr);
 }
 
+/// Whether the build of `structure` was under way when it was cancelled: on a busy machine it may have ended.
+bool cancels_build(PreviewModel& model, const std::function<bool(const std::function<bool()>&)>& live) {
+  model.open("wheels");
+  const bool was_seen = live([&] {
+    const LoadProgress p = model.load_progress();
+    return !p.is_busy || (p.stage.find("building") != std::string::npos && p.fraction > 0);
+  });
+  model.cancel();
+  const bool is_idle = live([&] { return !model.load_progress().is_busy; });
+  return was_seen && is_idle && model.message() == "Cancelled." && !model.state().structures[0];
+}
+
 TEST_F(PreviewModelTest, CancelsABuildOfEachKind) {
   for (const char* name : {"stbvh-direct", "stbvh", "embree", "lbvh"}) {
     Options o = options(1);
     o.structures = {name};
-    PreviewModel model(o, 2);
-    model.open("wheels");
-    const auto is_building = [&] {
-      const LoadProgress p = model.load_progress();
-      return !p.is_busy || (p.stage.find("building") != std::string::npos && p.fraction > 0);
-    };
-    ASSERT_TRUE(live(model, is_building));
-    model.cancel();
-    ASSERT_TRUE(wait_idle(model));
-    EXPECT_EQ(model.message(), "Cancelled.") << name;
-    EXPECT_FALSE(model.state().structures[0]);
+    bool is_cancelled = false;
+    for (int attempt = 0; attempt < 20 && !is_cancelled; ++attempt) {
+      PreviewModel model(o, 2);
+      is_cancelled = cancels_build(model, [&](const auto& is_done) { return live(model, is_done); });
+    }
+    EXPECT_TRUE(is_cancelled) << name;
   }
 }
 
@@ -147,8 +155,9 @@ TEST_F(PreviewModelTest, CancelsTheMakingOfAScene) {
   for (const char* name : kSlowScenes) {
     PreviewModel model(options(kSlowScale), 2);
     model.open(name);
+    ASSERT_TRUE(live(model, [&] { return model.load_progress().stage.find("making") != std::string::npos; }))
+        << name;
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    ASSERT_NE(model.load_progress().stage.find("making"), std::string::npos) << name;
     const auto start = std::chrono::steady_clock::now();
     model.cancel();
     ASSERT_TRUE(wait_idle(model));
@@ -194,19 +203,21 @@ TEST_F(PreviewModelTest, EndsWhileASceneIsBeingMade) {
 TEST_F(PreviewModelTest, ShowsAWhileBIsBeingBuilt) {
   Options o = options(0.3);
   o.structures = {"embree", "lbvh"};
-  std::atomic<std::size_t> news{0};
-  PreviewModel model(o, 2, [&] { ++news; });
-  model.open("wheels");
   bool was_shown = false;
-  ASSERT_TRUE(live(model, [&] {
-    const bool is_waiting_for_b = model.is_building(1) && !model.state().structures[1];
-    was_shown = was_shown || (is_waiting_for_b && model.view().number > 0);
-    return model.has_samples(2);
-  }));
+  for (int attempt = 0; attempt < 10 && !was_shown; ++attempt) {  // a busy machine may not look in time
+    std::atomic<std::size_t> news{0};
+    PreviewModel model(o, 2, [&] { ++news; });
+    model.open("wheels");
+    ASSERT_TRUE(live(model, [&] {
+      const bool is_waiting_for_b = model.is_building(1) && !model.state().structures[1];
+      was_shown = was_shown || (is_waiting_for_b && model.view().number > 0);
+      return model.has_samples(2);
+    }));
+    EXPECT_FALSE(model.is_building(0));
+    EXPECT_FALSE(model.is_building(1));
+    EXPECT_GE(news, 4u) << "two structures, and a picture with each";
+  }
   EXPECT_TRUE(was_shown) << "the picture through A is there before B is";
-  EXPECT_FALSE(model.is_building(0));
-  EXPECT_FALSE(model.is_building(1));
-  EXPECT_GE(news, 4u) << "two structures, and a picture with each";
 }
 
 TEST_F(PreviewModelTest, EndsWhileBuildingAndWhileOpeningAgainAndAgain) {
