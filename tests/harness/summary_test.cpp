@@ -46,17 +46,16 @@ Report two_scenes() {
   return report;
 }
 
-const SummaryResult& find(const std::vector<SummaryResult>& all, const std::string& structure,
-                          const std::string& reference, const std::string& measure,
-                          const std::string& rays = "", unsigned threads = 0) {
-  static const SummaryResult kNone;
+SummaryResult find(const std::vector<SummaryResult>& all, const std::string& structure,
+                   const std::string& reference, const std::string& measure, const std::string& rays = "",
+                   unsigned threads = 0) {
   for (const SummaryResult& r : all) {
     if (r.structure == structure && r.reference == reference && r.measure == measure && r.rays == rays &&
         (threads == 0 || r.threads == threads))
       return r;
   }
   ADD_FAILURE() << structure << " against " << reference << ": no " << measure << " " << rays;
-  return kNone;
+  return {};
 }
 
 void expect_spread(const Spread& spread, double median, double min, double max) {
@@ -67,7 +66,7 @@ void expect_spread(const Spread& spread, double median, double min, double max) 
 
 TEST(Summary, MeansAreTakenInEachRepeat) {
   const auto all = summarize_scenes(two_scenes());
-  const SummaryResult& to_embree = find(all, "stbvh", "embree", "speed", "bounce");
+  const SummaryResult to_embree = find(all, "stbvh", "embree", "speed", "bounce");
   EXPECT_EQ(to_embree.scenes, 2u);
   expect_spread(to_embree.mean, 4, 2, 6);  // sqrt(1 * 4) and sqrt(4 * 9)
   EXPECT_EQ(to_embree.worst_scene, "a");
@@ -80,7 +79,7 @@ TEST(Summary, MeansAreTakenInEachRepeat) {
 
 TEST(Summary, TheWorstBytesAndTimeAreTheLargest) {
   const auto all = summarize_scenes(two_scenes());
-  const SummaryResult& bytes = find(all, "stbvh", "embree", "structure_bytes");
+  const SummaryResult bytes = find(all, "stbvh", "embree", "structure_bytes");
   expect_spread(bytes.mean, 1, 1, 1);  // sqrt(0.5 * 2)
   EXPECT_EQ(bytes.worst_scene, "b");
   expect_spread(bytes.worst, 2, 2, 2);
@@ -101,7 +100,7 @@ TEST(Summary, BounceUniformAndShadowCountTogether) {
   report.speeds.push_back(speed("b", "stbvh", "uniform", {4, 9}));
   report.speeds.push_back(speed("b", "stbvh", "shadow", {4, 9}));
   report.speeds.push_back(speed("a", "stbvh", "primary", {100, 100}));
-  const SummaryResult& together =
+  const SummaryResult together =
       find(summarize_scenes(report), "stbvh", "embree", "speed", "bounce+uniform+shadow");
   expect_spread(together.mean, (std::sqrt(8.0) + std::sqrt(18.0)) / 2, std::sqrt(8.0), std::sqrt(18.0));
   EXPECT_EQ(together.worst_scene, "a");
@@ -130,7 +129,7 @@ TEST(Summary, ScenesThatLackAStructureDoNotCount) {
   report.speeds.pop_back();
   report.builds.pop_back();
   const auto all = summarize_scenes(report);
-  const SummaryResult& speeds = find(all, "stbvh", "embree", "speed", "bounce");
+  const SummaryResult speeds = find(all, "stbvh", "embree", "speed", "bounce");
   EXPECT_EQ(speeds.scenes, 1u);
   expect_spread(speeds.mean, 2.5, 1, 4);
   EXPECT_NE(summary_table(all).find("stbvh against embree: 1 of 2 scenes"), std::string::npos);
