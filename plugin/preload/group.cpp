@@ -155,6 +155,10 @@ void Group::clear() {
   members_.clear();
 }
 
+void Group::set_enabled(bool value) {
+  value ? real().rtcEnableGeometry(proxy_) : real().rtcDisableGeometry(proxy_);
+}
+
 bool Group::is_built_of(const std::vector<Member>& members, const GroupSettings& settings) const {
   if (published_ == nullptr || !(settings == settings_) || members.size() != members_.size()) return false;
   for (std::size_t i = 0; i < members.size(); ++i) {

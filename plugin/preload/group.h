@@ -49,6 +49,8 @@ class Group {
 
   /// Hits nothing from now on.
   void clear();
+  /// Whether Embree's next build is to know of the user geometry.
+  void set_enabled(bool value);
 
   /// Whether build() with these would do again what the last one did.
   bool is_built_of(const std::vector<Member>& members, const GroupSettings& settings) const;

@@ -80,12 +80,14 @@ void TrackedScene::build_group(const Plan& plan, CommitTurns::Turn& turn) {
   });
 }
 
+/// The user geometry stays attached here too, for Embree's build may fail, but it is switched off.
 TrackedScene::Next TrackedScene::give_all_to_embree() {
-  if (group_ == nullptr) return Next::kForward;
+  if (!has_group()) return Next::kForward;
+  group_->clear();
+  group_->set_enabled(false);
   const std::lock_guard lock(mutex_);
-  withdraw_proxy();
   has_group_ = false;
-  group_.reset();
+  contents_.clear();
   return Next::kForward;
 }
 
@@ -115,6 +117,7 @@ TrackedScene::Next TrackedScene::carry_out(const Plan& plan, CommitTurns::Turn& 
   build_group(plan, turn);
   const std::lock_guard lock(mutex_);
   attach_proxy();
+  group_->set_enabled(true);
   has_group_ = true;
   contents_ = plan.contents;
   return Next::kForward;
