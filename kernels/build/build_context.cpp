@@ -22,12 +22,10 @@ void BuildMemory::give_back(std::size_t bytes) noexcept {
 void BuildProgress::add(double share) {
   if (!callbacks_.progress) return;
   check();
-  double done = done_.load();
-  while (!done_.compare_exchange_weak(done, done + share)) {
-  }
+  done_.fetch_add(share);
   const std::unique_lock lock(report_, std::try_to_lock);
   if (!lock.owns_lock()) return;
-  done = std::min(done_.load(), 1.0);  // read under the lock: what is reported never falls
+  const double done = std::min(done_.load(), 1.0);  // read under the lock: what is reported never falls
   if (share > 0.0 && done < reported_ + 0.01) return;
   check();
   reported_ = done;

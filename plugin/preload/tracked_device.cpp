@@ -1,7 +1,6 @@
 #include "plugin/preload/tracked_device.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cctype>
 #include <charconv>
 #include <string>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "plugin/preload/real_embree.h"
+#include "plugin/preload/version.h"
 
 namespace stbvh::preload {
 namespace {
@@ -34,11 +34,6 @@ Devices& devices() {
   return *kDevices;
 }
 
-std::uint64_t next_serial() {
-  static std::atomic<std::uint64_t> last{0};
-  return last.fetch_add(1, std::memory_order_relaxed) + 1;
-}
-
 void keep_pending(const TrackedDevice& device, RTCError code) {
   auto& pending = thread_errors.pending;
   const bool has_one = std::any_of(pending.begin(), pending.end(),
@@ -57,7 +52,7 @@ bool hits_as_we_do(RTCDevice device) {
 }  // namespace
 
 TrackedDevice::TrackedDevice(RTCDevice handle, int thread_limit)
-    : serial_(next_serial()),
+    : serial_(next_version()),
       handle_(handle),
       thread_limit_(thread_limit),
       is_plain_(hits_as_we_do(handle)) {}

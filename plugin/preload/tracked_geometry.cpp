@@ -1,7 +1,6 @@
 #include "plugin/preload/tracked_geometry.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 
 #include "plugin/preload/environment.h"
@@ -35,11 +34,6 @@ const char* describe(StaysNative reason) {
       return "Embree without ray masks or filters, or with backface culling";
   }
   return "";
-}
-
-std::uint64_t next_version() {
-  static std::atomic<std::uint64_t> last{0};
-  return last.fetch_add(1, std::memory_order_relaxed) + 1;
 }
 
 Registry<RTCGeometry, TrackedGeometry>& geometries() {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "plugin/preload/registry.h"
+#include "plugin/preload/version.h"
 #include "stbvh/vec.h"
 
 namespace stbvh::preload {
@@ -38,9 +39,6 @@ inline constexpr std::size_t kStaysNativeCount = 7;
 
 /// In a few words, for statistics.
 const char* describe(StaysNative reason);
-
-/// A number that no call returned before.
-std::uint64_t next_version();
 
 /// All kinds of geometries are tracked, for the sake of knowing whether a scene changed; triangle meshes and
 /// instances in full. As in Embree, setters of one geometry are for one thread at a time.

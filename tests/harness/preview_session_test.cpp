@@ -6,7 +6,6 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <optional>
 #include <string>
 #include <thread>
@@ -48,6 +47,17 @@ class PreviewModelTest : public ::testing::Test {
   }
   static bool wait_idle(PreviewModel& model) {
     return live(model, [&] { return !model.load_progress().is_busy; });
+  }
+  /// Whether a build was under way when it was cancelled: on a busy machine it may have ended.
+  static bool cancels_build(PreviewModel& model) {
+    model.open("wheels");
+    EXPECT_TRUE(live(model, [&] {
+      const LoadProgress p = model.load_progress();
+      return !p.is_busy || (p.stage.find("building") != std::string::npos && p.fraction > 0);
+    }));
+    model.cancel();
+    EXPECT_TRUE(wait_idle(model));
+    return model.message() == "Cancelled." && !model.state().structures[0];
   }
 
   const TemporaryFolder owner_;
@@ -120,18 +130,6 @@ TEST_F(PreviewModelTest, StructuresAreChangedOneByOne) {
   EXPECT_EQ(model.tree(), nullptr);
 }
 
-/// Whether the build of `structure` was under way when it was cancelled: on a busy machine it may have ended.
-bool cancels_build(PreviewModel& model, const std::function<bool(const std::function<bool()>&)>& live) {
-  model.open("wheels");
-  const bool was_seen = live([&] {
-    const LoadProgress p = model.load_progress();
-    return !p.is_busy || (p.stage.find("building") != std::string::npos && p.fraction > 0);
-  });
-  model.cancel();
-  const bool is_idle = live([&] { return !model.load_progress().is_busy; });
-  return was_seen && is_idle && model.message() == "Cancelled." && !model.state().structures[0];
-}
-
 TEST_F(PreviewModelTest, CancelsABuildOfEachKind) {
   for (const char* name : {"stbvh-direct", "stbvh", "embree", "lbvh"}) {
     Options o = options(1);
@@ -139,7 +137,7 @@ TEST_F(PreviewModelTest, CancelsABuildOfEachKind) {
     bool is_cancelled = false;
     for (int attempt = 0; attempt < 20 && !is_cancelled; ++attempt) {
       PreviewModel model(o, 2);
-      is_cancelled = cancels_build(model, [&](const auto& is_done) { return live(model, is_done); });
+      is_cancelled = cancels_build(model);
     }
     EXPECT_TRUE(is_cancelled) << name;
   }

@@ -1,0 +1,15 @@
+/// Numbers that tell states and objects apart.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+namespace stbvh::preload {
+
+/// A number that no call returned before.
+inline std::uint64_t next_version() {
+  static std::atomic<std::uint64_t> last{0};
+  return last.fetch_add(1, std::memory_order_relaxed) + 1;
+}
+
+}  // namespace stbvh::preload
