@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "harness/cli/commands.h"
+#include "harness/cli/distance_figures.h"
 #include "harness/cli/pinned_threads.h"
 #include "harness/cli/session.h"
 #include "harness/cli/trace.h"
@@ -35,9 +36,7 @@ ErrorResult to_result(const Scene& scene, const std::string& structure, const Ra
           .ties = counts.ties,
           .within_rounding = counts.within_rounding,
           .near_edge = counts.near_edge,
-          .t_error_rel_p50 = counts.t_error(0.5),
-          .t_error_rel_p99 = counts.t_error(0.99),
-          .t_error_rel_max = counts.t_error(1),
+          .distance = distance_figures(counts.distances),
           .is_any_hit = rays.any_hit()};
 }
 
@@ -90,7 +89,7 @@ void run_scene(const Scene& scene, const Options& options, PinnedThreads& thread
     }
   }
   progress.clear();
-  fmt::print("{}{}", error_table(results), differences);
+  fmt::print("{}{}{}", error_table(results), distance_table(results), differences);
   report.errors.insert(report.errors.end(), results.begin(), results.end());
 }
 

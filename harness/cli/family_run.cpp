@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "harness/cli/distance_figures.h"
 #include "harness/cli/session.h"
 #include "harness/cli/trace.h"
 #include "tests/hard_cases/judged_case.h"
@@ -25,11 +26,11 @@ HardResult to_result(const std::string& family, const std::string& structure, bo
           .near_misses = counts.near_misses,
           .any_hit_wrong = counts.any_wrong,
           .self_hits = counts.departures > 0 ? std::optional(counts.self_hits) : std::nullopt,
+          .exact_self_hits = counts.departures > 0 ? std::optional(counts.exact_self_hits) : std::nullopt,
           .ties = errors.ties,
           .within_rounding = errors.within_rounding,
           .near_edge = errors.near_edge,
-          .t_error_rel_p99 = errors.t_error(0.99),
-          .t_error_rel_max = errors.t_error(1)};
+          .distance = distance_figures(errors.distances)};
 }
 
 /// All cases of one family.

@@ -47,7 +47,7 @@ void add_hard(const HardResult& r, ParetoResult& point) {
       point.differing += r.missed + r.false_hits + r.wrong_primitive + r.within_rounding;
       break;
     case Measure::kDistance:
-      point.t_error_rel_p99 = r.t_error_rel_p99;
+      point.t_error_rel_p99 = r.distance.relative.p99;
       break;
   }
 }

@@ -29,8 +29,11 @@ class ExactTriangle {
   /// at the ray's time.
   ExactTriangle(const Ray& ray, const Mesh& mesh, std::size_t prim);
 
+  /// Whether the ray's line meets the triangle's plane in one point. All below needs this.
+  bool faces_ray() const { return sgn(facing_) != 0; }
+
   /// Whether the ray's line meets the triangle, its edges and corners included, and does so in one point:
-  /// never so for a triangle without area, or one that the line lies in the plane of. All below needs this.
+  /// never so for a triangle without area, or one that the line lies in the plane of.
   bool is_covered() const;
 
   /// Sign of t - bound; `bound` may be infinite, but not NaN.

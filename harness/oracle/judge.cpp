@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace stbvh::harness {
 namespace {
@@ -20,12 +21,30 @@ Verdict judge_occlusion(const OracleAnswer& answer, const HitRecord& hit) {
 Verdict judge_hit(const Oracle& oracle, const Ray& ray, const OracleAnswer& answer, const HitRecord& hit) {
   if (!hit.is_hit()) return judge_miss(answer);
   const OraclePrimitive reported{hit.geom_id, hit.prim_id};
-  if (std::binary_search(answer.nearest.begin(), answer.nearest.end(), reported)) return Verdict::kAgrees;
+  if (answer.meets(reported)) return Verdict::kAgrees;
   const auto test = oracle.test(ray, hit.geom_id, hit.prim_id);
   if (!test || !test->is_possible) return Verdict::kFalseHit;
   if (test->t_lower > answer.certain_t_upper) return Verdict::kWrongPrimitive;
   const bool same_t = answer.is_hit && test->t_lower <= answer.t_upper && test->t_upper >= answer.t_lower;
   return same_t ? Verdict::kTie : Verdict::kWithinRounding;
+}
+
+/// The distance between floats of the magnitude of `x`.
+double float_spacing(double x) {
+  constexpr int kDigits = std::numeric_limits<float>::digits;
+  constexpr int kLeastExponent = std::numeric_limits<float>::min_exponent;
+  int exponent = kLeastExponent;
+  if (x != 0) std::frexp(x, &exponent);
+  return std::ldexp(1.0, std::max(exponent, kLeastExponent) - kDigits);
+}
+
+void note_distance(const Ray& ray, const OracleAnswer& answer, float t, double diagonal,
+                   DistanceErrors& errors) {
+  const double speed = length(to_double(ray.direction));
+  const double error = std::abs(static_cast<double>(t) - answer.t);
+  errors.relative.push_back(error / std::max(std::abs(answer.t), 1e-6 * diagonal / speed));
+  errors.ulps.push_back(error / float_spacing(answer.t));
+  if (answer.cosine < kGrazingCosine) errors.off_plane.push_back(error * speed * answer.cosine);
 }
 
 void count(Verdict verdict, ErrorCounts& counts) {
@@ -70,10 +89,20 @@ std::string_view verdict_name(Verdict verdict) {
   return "agrees";
 }
 
-double ErrorCounts::t_error(double p) const {
-  if (t_errors.empty()) return 0;
-  const double last = static_cast<double>(t_errors.size() - 1);
-  return t_errors[static_cast<std::size_t>(std::ceil(p * last))];
+void DistanceErrors::add(const DistanceErrors& other) {
+  relative.insert(relative.end(), other.relative.begin(), other.relative.end());
+  ulps.insert(ulps.end(), other.ulps.begin(), other.ulps.end());
+  off_plane.insert(off_plane.end(), other.off_plane.begin(), other.off_plane.end());
+}
+
+void DistanceErrors::sort() {
+  for (auto* values : {&relative, &ulps, &off_plane}) std::sort(values->begin(), values->end());
+}
+
+double percentile(const std::vector<double>& values, double p) {
+  if (values.empty()) return 0;
+  const double last = static_cast<double>(values.size() - 1);
+  return values[static_cast<std::size_t>(std::ceil(p * last))];
 }
 
 ErrorCounts judge(const Oracle& oracle, double diagonal, const RaySet& rays,
@@ -91,11 +120,9 @@ ErrorCounts judge(const Oracle& oracle, double diagonal, const RaySet& rays,
     if (verdict != Verdict::kAgrees && verdict != Verdict::kTie) counts.differences.push_back({i, verdict});
     if (rays.any_hit() || verdict == Verdict::kWithinRounding || !answer.is_hit || !hits[i].is_hit())
       continue;
-    const double least = 1e-6 * diagonal / length(to_double(ray.direction));
-    const double error = std::abs(static_cast<double>(hits[i].t) - answer.t);
-    counts.t_errors.push_back(error / std::max(std::abs(answer.t), least));
+    note_distance(ray, answer, hits[i].t, diagonal, counts.distances);
   }
-  std::sort(counts.t_errors.begin(), counts.t_errors.end());
+  counts.distances.sort();
   return counts;
 }
 

@@ -22,6 +22,23 @@ struct Difference {
   Verdict verdict;
 };
 
+/// A hit is a grazing one where the cosine between ray and normal is below this (6 degrees).
+inline constexpr double kGrazingCosine = 0.1;
+
+/// How far reported distances are from the exact ones, over rays that both hit, without those that differ
+/// within rounding; each list ascending.
+struct DistanceErrors {
+  std::vector<double> relative;   ///< |t - t*| / max(|t*|, 1e-6 diagonal / |d|)
+  std::vector<double> ulps;       ///< |t - t*| in units of the spacing of floats at t*
+  std::vector<double> off_plane;  ///< of grazing hits: of o + t d from the exact plane, in units of the scene
+
+  void add(const DistanceErrors& other);
+  void sort();
+};
+
+/// The value below which the share `p` of ascending `values` lies; 0 if there are none.
+double percentile(const std::vector<double>& values, double p);
+
 /// Every ray that does not agree with the exact answer is counted once, in one of the first five or, where
 /// the exact answer itself changes within rounding, in `within_rounding`.
 struct ErrorCounts {
@@ -35,13 +52,9 @@ struct ErrorCounts {
   std::size_t oracle_hits = 0;  ///< rays with an exact hit
   std::size_t near_edge = 0;    ///< rays whose exact answer may change within rounding, whatever was reported
 
-  /// |t - t*| / max(|t*|, 1e-6 diagonal / |d|) over rays that both hit, ascending; without `within_rounding`.
-  std::vector<double> t_errors;
+  DistanceErrors distances;
 
   std::vector<Difference> differences;
-
-  /// Error below which the share `p` of t_errors lies; 0 if there are none.
-  double t_error(double p) const;
 };
 
 /// Judges the hits of `rays`, in their order. `diagonal` is that of the scene's bounds.

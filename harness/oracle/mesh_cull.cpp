@@ -105,8 +105,9 @@ void MeshCull::bound(const Mesh& mesh, std::size_t step) {
 }
 
 double MeshCull::padding(const OracleRay& ray, const TriangleMotion& motion) const {
-  // test_triangle's movement with its largest terms: |p| <= largest, |q| <= largest + |o|, |p_(k+1) - p_k| <=
-  // 2 largest; doubled for the depth that find_t adds, and for what a neighbouring segment moves.
+  // More than test_triangle moves a corner by, on an axis or across the ray, and than `depth` in entry()
+  // misses: coordinates are at most `largest`, a motion's twice that, a corner is at most
+  // sqrt(3) (largest + |o|) along the ray.
   const double movement =
       kRoundingUlps * kUlp * 2 * (largest_ + ray.origin_length) + motion.time_movement * 2 * largest_;
   return 4 * movement;
@@ -132,11 +133,8 @@ double MeshCull::entry(const OracleRay& ray, const TriangleMotion& motion, std::
   clip(ray.origin.z, ray.direction.z, lower.z, upper.z, enter, leave);
   if (!(enter <= leave)) return kPasses;
   // Not where the ray enters the box, but the box's own least depth: a grazed triangle's t_lower reaches down
-  // to its nearest corner.
-  const Vec3 center = 0.5 * (lower + upper) - ray.origin;
-  const Vec3 half = 0.5 * (upper - lower);
-  const double depth = dot(center, ray.direction) - std::abs(half.x * ray.direction.x) -
-                       std::abs(half.y * ray.direction.y) - std::abs(half.z * ray.direction.z);
+  // to its nearest corner, as told by the ray's largest axis.
+  const double depth = std::min(ray.depth_on_axis(lower - ray.origin), ray.depth_on_axis(upper - ray.origin));
   return depth / ray.direction_length;
 }
 

@@ -84,6 +84,7 @@ class Collector {
     answer_.v = least->v();
     answer_.t_lower = first->test.t_lower;
     answer_.t_upper = first->test.t_upper;
+    answer_.cosine = first->test.cosine;
     answer_.edge_distance_ulps = first->test.edge_distance_ulps();
   }
 

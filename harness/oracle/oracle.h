@@ -2,6 +2,7 @@
 /// tell.
 #pragma once
 
+#include <algorithm>
 #include <compare>
 #include <cstdint>
 #include <limits>
@@ -31,6 +32,7 @@ struct OracleAnswer {
   std::uint32_t prim_id = kInvalidId;
   double t = 0, u = 0, v = 0;       ///< the doubles nearest to the exact values; Embree's barycentrics
   double t_lower = 0, t_upper = 0;  ///< what t can become within rounding
+  double cosine = 0;                ///< between the ray and that triangle's normal, absolute
 
   std::uint32_t ties = 0;    ///< other hits whose t is the same within rounding
   bool is_possible = false;  ///< some movement within rounding hits something
@@ -46,6 +48,11 @@ struct OracleAnswer {
 
   /// Triangles for which double precision could not tell whether, or before which other, they are hit.
   std::uint32_t exact_triangles = 0;
+
+  /// Whether that triangle is one of the nearest.
+  bool meets(OraclePrimitive primitive) const {
+    return std::binary_search(nearest.begin(), nearest.end(), primitive);
+  }
 
   bool is_certain() const { return certain_t_upper < std::numeric_limits<double>::infinity(); }
 };

@@ -1,19 +1,19 @@
 /// What double precision knows for certain of one ray and one triangle; the rest is for exact_triangle.h.
 ///
-/// Let e = 2^-53 and L the lengths that `rounding` in triangle_test.h is made of, so that rounding =
-/// 3 * 2^-23 (|p| + |o| + |q|) + the movement of the corners in 3 * 2^-23 of the time's magnitude. The
-/// corners as double arithmetic sees them across the ray are wrong by less than
+/// Let e = 2^-53, L = |p| + |o| + |q| the lengths of a position, of the ray's origin, and of a corner as seen
+/// from it, and M the movement of the corners in 3 * 2^-23 of the time's magnitude. The corners as double
+/// arithmetic sees them across the ray are wrong by less than
 ///   time:  (t - a) / (b - a) * S  4 roundings, 5 e u segments; u is at most twice the magnitude / segment
 ///   that
-///          `rounding` is made of. A segment chosen wrongly lies this near: motion is continuous, and
-///          `rounding` knows the speed of both.
+///          M is made of. A segment chosen wrongly lies this near: motion is continuous, and M knows the
+///          speed of both.
 ///   p - o: lerp and difference    6 e (|p| + |o|)
 ///   frame across the ray          16 e |q|: ray.direction is within e of the true one, across_x within 6 e
 ///   of
 ///          a unit vector across it, across_y within 14 e
 ///   dot products                  3 e |q|
 /// in each of two coordinates: less than 48 e L, which is a quarter of
-///   error = 2^-24 rounding = 192 e L (and for the time, 10 e against 192 e).
+///   error = 2^-24 (3 * 2^-23 L + M) = 192 e L (and for the time, 10 e against 192 e).
 /// The other three quarters bear the roundings of what follows: an edge function of two corners s, s' is
 /// wrong by at most a quarter of error (|s| + |s'| + error) through the corners, and 3 e |s| |s'| < error |s|
 /// / 64 in itself; a dot product with the axis m by error |m| / 4 and 2 e |s| |m|.
@@ -31,7 +31,7 @@
 
 namespace stbvh::harness {
 
-/// Of `rounding`: how far double arithmetic may misplace a corner, as derived above.
+/// Of 3 * 2^-23 L + M: how far double arithmetic may misplace a corner, as derived above.
 inline constexpr double kDoubleError = 0x1p-24;
 
 /// A corner as seen along the ray, which is at the origin.

@@ -51,22 +51,34 @@ Json to_record(const SpeedResult& r) {
           {"hits", r.hits}};
 }
 
+void add_percentiles(const std::string& name, const Percentiles& p, Json& record) {
+  record[name + "_p50"] = p.p50;
+  record[name + "_p99"] = p.p99;
+  record[name + "_max"] = p.max;
+}
+
+void add_distance(const DistanceFigures& d, Json& record) {
+  add_percentiles("t_error_rel", d.relative, record);
+  add_percentiles("t_error_ulps", d.ulps, record);
+  add_percentiles("off_plane", d.off_plane, record);
+  record["grazing"] = d.grazing;
+}
+
 Json to_record(const ErrorResult& r) {
-  return {{"kind", "error"},
-          {"scene", r.scene},
-          {"structure", r.structure},
-          {"rays", r.rays},
-          {"traced", r.traced},
-          {"oracle_hits", r.oracle_hits},
-          {"missed", r.missed},
-          {"false_hits", r.false_hits},
-          {"wrong_primitive", r.wrong_primitive},
-          {"ties", r.ties},
-          {"within_rounding", r.within_rounding},
-          {"near_edge", r.near_edge},
-          {"t_error_rel_p50", r.t_error_rel_p50},
-          {"t_error_rel_p99", r.t_error_rel_p99},
-          {"t_error_rel_max", r.t_error_rel_max}};
+  Json record{{"kind", "error"},
+              {"scene", r.scene},
+              {"structure", r.structure},
+              {"rays", r.rays},
+              {"traced", r.traced},
+              {"oracle_hits", r.oracle_hits},
+              {"missed", r.missed},
+              {"false_hits", r.false_hits},
+              {"wrong_primitive", r.wrong_primitive},
+              {"ties", r.ties},
+              {"within_rounding", r.within_rounding},
+              {"near_edge", r.near_edge}};
+  add_distance(r.distance, record);
+  return record;
 }
 
 Json count_or_null(std::optional<std::size_t> count) {
@@ -74,23 +86,24 @@ Json count_or_null(std::optional<std::size_t> count) {
 }
 
 Json to_record(const HardResult& r) {
-  return {{"kind", "hard"},
-          {"family", r.family},
-          {"structure", r.structure},
-          {"traced", r.traced},
-          {"oracle_hits", r.oracle_hits},
-          {"leaks", count_or_null(r.leaks)},
-          {"missed", r.missed},
-          {"false_hits", r.false_hits},
-          {"wrong_primitive", r.wrong_primitive},
-          {"near_misses", r.near_misses},
-          {"any_hit_wrong", r.any_hit_wrong},
-          {"self_hits", count_or_null(r.self_hits)},
-          {"ties", r.ties},
-          {"within_rounding", r.within_rounding},
-          {"near_edge", r.near_edge},
-          {"t_error_rel_p99", r.t_error_rel_p99},
-          {"t_error_rel_max", r.t_error_rel_max}};
+  Json record{{"kind", "hard"},
+              {"family", r.family},
+              {"structure", r.structure},
+              {"traced", r.traced},
+              {"oracle_hits", r.oracle_hits},
+              {"leaks", count_or_null(r.leaks)},
+              {"missed", r.missed},
+              {"false_hits", r.false_hits},
+              {"wrong_primitive", r.wrong_primitive},
+              {"near_misses", r.near_misses},
+              {"any_hit_wrong", r.any_hit_wrong},
+              {"self_hits", count_or_null(r.self_hits)},
+              {"exact_self_hits", count_or_null(r.exact_self_hits)},
+              {"ties", r.ties},
+              {"within_rounding", r.within_rounding},
+              {"near_edge", r.near_edge}};
+  add_distance(r.distance, record);
+  return record;
 }
 
 Json to_record(const ParetoResult& r) {

@@ -53,7 +53,7 @@ HardResult to_hard(const Json& r) {
   hard.false_hits = r.at("false_hits");
   hard.wrong_primitive = r.at("wrong_primitive");
   hard.within_rounding = r.at("within_rounding");
-  if (!r.at("t_error_rel_p99").is_null()) hard.t_error_rel_p99 = r.at("t_error_rel_p99");
+  if (!r.at("t_error_rel_p99").is_null()) hard.distance.relative.p99 = r.at("t_error_rel_p99");
   return hard;
 }
 

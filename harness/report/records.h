@@ -58,6 +58,21 @@ struct SpeedResult {
   std::optional<Spread> ratio_to_embree() const;
 };
 
+struct Percentiles {
+  double p50 = 0;
+  double p99 = 0;
+  double max = 0;
+};
+
+/// Errors of the distance of closest hits (harness/oracle/judge.h); infinite where a hit at NaN or infinity
+/// was reported.
+struct DistanceFigures {
+  Percentiles relative;
+  Percentiles ulps;
+  Percentiles off_plane;
+  std::size_t grazing = 0;  ///< hits that off_plane is over
+};
+
 struct ErrorResult {
   std::string scene;
   std::string structure;
@@ -70,9 +85,7 @@ struct ErrorResult {
   std::size_t ties = 0;
   std::size_t within_rounding = 0;
   std::size_t near_edge = 0;
-  double t_error_rel_p50 = 0;
-  double t_error_rel_p99 = 0;
-  double t_error_rel_max = 0;
+  DistanceFigures distance{};
   bool is_any_hit = false;  ///< occlusion rays have no t and no primitive
 };
 
@@ -86,14 +99,14 @@ struct HardResult {
   std::size_t missed = 0;
   std::size_t false_hits = 0;
   std::size_t wrong_primitive = 0;
-  std::size_t near_misses = 0;             ///< of within_rounding: exact hits that were missed
-  std::size_t any_hit_wrong = 0;           ///< the same rays asked for any hit: missed or false
-  std::optional<std::size_t> self_hits{};  ///< of rays that leave from hit points; empty: none does
+  std::size_t near_misses = 0;                   ///< of within_rounding: exact hits that were missed
+  std::size_t any_hit_wrong = 0;                 ///< the same rays asked for any hit: missed or false
+  std::optional<std::size_t> self_hits{};        ///< of rays that leave from hit points; empty: none does
+  std::optional<std::size_t> exact_self_hits{};  ///< what the exact answer has of them
   std::size_t ties = 0;
   std::size_t within_rounding = 0;
   std::size_t near_edge = 0;
-  double t_error_rel_p99 = 0;
-  double t_error_rel_max = 0;  ///< infinite where a hit at NaN or infinity was reported
+  DistanceFigures distance{};
 };
 
 /// What is the same for a whole scene and heads its table.

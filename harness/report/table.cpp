@@ -126,45 +126,67 @@ std::string speed_table(const std::vector<SpeedResult>& results) {
 
 std::string error_table(const std::vector<ErrorResult>& results) {
   if (results.empty()) return "";
-  std::string text = fmt::format("{:<21}{:<17}{:>8}{:>8}{:>14}{:>14}{:>14}{:>7}{:>10}{:>10}{:>10}{:>10}\n",
-                                 "structure", "rays", "traced", "hits", "missed", "false", "wrong", "ties",
-                                 "rounding", "t err p50", "p99", "max");
+  std::string text = fmt::format("{:<21}{:<17}{:>8}{:>8}{:>14}{:>14}{:>14}{:>7}{:>10}\n", "structure", "rays",
+                                 "traced", "hits", "missed", "false", "wrong", "ties", "rounding");
   for (const ErrorResult& r : results) {
     const auto or_dash = [&](const std::string& s) { return r.is_any_hit ? std::string("-") : s; };
-    text += fmt::format(
-        "{:<21}{:<17}{:>8}{:>8}{:>14}{:>14}{:>14}{:>7}{:>10}{:>10}{:>10}{:>10}\n", r.structure, r.rays,
-        r.traced, r.oracle_hits, bad_count(r.missed, r.traced), bad_count(r.false_hits, r.traced),
-        or_dash(bad_count(r.wrong_primitive, r.traced)), or_dash(fmt::format("{}", r.ties)),
-        fmt::format("{}/{}", r.within_rounding, r.near_edge),
-        or_dash(fmt::format("{:.1e}", r.t_error_rel_p50)), or_dash(fmt::format("{:.1e}", r.t_error_rel_p99)),
-        or_dash(fmt::format("{:.1e}", r.t_error_rel_max)));
+    text +=
+        fmt::format("{:<21}{:<17}{:>8}{:>8}{:>14}{:>14}{:>14}{:>7}{:>10}\n", r.structure, r.rays, r.traced,
+                    r.oracle_hits, bad_count(r.missed, r.traced), bad_count(r.false_hits, r.traced),
+                    or_dash(bad_count(r.wrong_primitive, r.traced)), or_dash(fmt::format("{}", r.ties)),
+                    fmt::format("{}/{}", r.within_rounding, r.near_edge));
   }
   return text +
          "rounding: answers that differ where the exact one changes within 3 ulps / rays where it can; "
          "counted apart.\n";
 }
 
+std::string distance_table(const std::vector<ErrorResult>& results) {
+  std::string text;
+  const auto percentiles = [](const Percentiles& p) {
+    return fmt::format("{:>9.1e}{:>9.1e}{:>9.1e}", p.p50, p.p99, p.max);
+  };
+  for (const ErrorResult& r : results) {
+    if (r.is_any_hit) continue;
+    text +=
+        fmt::format("{:<21}{:<17}{}  {}  {:>7}{}\n", r.structure, r.rays, percentiles(r.distance.relative),
+                    percentiles(r.distance.ulps), r.distance.grazing, percentiles(r.distance.off_plane));
+  }
+  if (text.empty()) return "";
+  return fmt::format(
+             "{:<38}{:>27}  {:>27}  {:>34}\n{:<21}{:<17}{:>9}{:>9}{:>9}  {:>9}{:>9}{:>9}  "
+             "{:>7}{:>9}{:>9}{:>9}\n",
+             "error of t", "relative", "in float spacings", "grazing hits, off the plane", "structure",
+             "rays", "p50", "p99", "max", "p50", "p99", "max", "hits", "p50", "p99", "max") +
+         text;
+}
+
 std::string hard_heading() {
-  return fmt::format("{:<25}{:<21}{:>8}{:>13}{:>13}{:>13}{:>13}{:>13}{:>8}{:>8}{:>8}{:>14}{:>10}{:>10}\n",
-                     "family", "structure", "traced", "leaks", "missed", "false", "wrong", "any hit", "self",
-                     "ties", "near", "rounding", "t err p99", "max");
+  return fmt::format(
+      "{:<25}{:<21}{:>8}{:>13}{:>13}{:>13}{:>13}{:>13}{:>13}{:>8}{:>8}{:>14}{:>10}{:>10}{:>10}\n", "family",
+      "structure", "traced", "leaks", "missed", "false", "wrong", "any hit", "self", "ties", "near",
+      "rounding", "t relative", "ulps", "off plane");
 }
 
 std::string hard_row(const HardResult& r) {
   const auto count = [&](std::size_t n) { return bad_count(n, r.traced); };
+  const std::string self =
+      r.self_hits ? fmt::format("{}/{}", *r.self_hits, r.exact_self_hits.value_or(0)) : "-";
   return fmt::format(
-      "{:<25}{:<21}{:>8}{:>13}{:>13}{:>13}{:>13}{:>13}{:>8}{:>8}{:>8}{:>14}{:>10.1e}{:>10.1e}\n", r.family,
-      r.structure, r.traced, r.leaks ? count(*r.leaks) : "-", count(r.missed), count(r.false_hits),
-      count(r.wrong_primitive), count(r.any_hit_wrong), r.self_hits ? fmt::format("{}", *r.self_hits) : "-",
-      r.ties, r.near_misses, fmt::format("{}/{}", r.within_rounding, r.near_edge), r.t_error_rel_p99,
-      r.t_error_rel_max);
+      "{:<25}{:<21}{:>8}{:>13}{:>13}{:>13}{:>13}{:>13}{:>13}{:>8}{:>8}{:>14}{:>10.1e}{:>10.1e}{:>10.1e}\n",
+      r.family, r.structure, r.traced, r.leaks ? count(*r.leaks) : "-", count(r.missed), count(r.false_hits),
+      count(r.wrong_primitive), count(r.any_hit_wrong), self, r.ties, r.near_misses,
+      fmt::format("{}/{}", r.within_rounding, r.near_edge), r.distance.relative.p99, r.distance.ulps.p99,
+      r.distance.off_plane.p99);
 }
 
 std::string hard_legend() {
   return "any hit: the same rays, asked whether anything is there; self: hits of the triangle that the ray "
-         "leaves from; near: misses\nwhere the exact answer changes within 3 ulps; rounding: all answers "
-         "that "
-         "differ there / rays where it can. Counted apart.\n";
+         "leaves from / those that are exact;\nnear: misses where the exact answer changes within 3 ulps; "
+         "rounding: all answers that differ there / rays where it can; counted apart.\nt: 99th percentiles "
+         "of "
+         "its error, relative and in float spacings; off plane: of grazing hits, how far from the exact "
+         "plane.\n";
 }
 
 std::string pareto_table(const std::vector<ParetoResult>& points) {

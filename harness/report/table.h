@@ -22,6 +22,10 @@ std::string speed_table(const std::vector<SpeedResult>& results);
 /// Errors in one scene, a line for each structure and kind of rays.
 std::string error_table(const std::vector<ErrorResult>& results);
 
+/// How far t is off, for the same lines: relative, in spacings of floats at t, and, of grazing hits, how far
+/// from the plane.
+std::string distance_table(const std::vector<ErrorResult>& results);
+
 /// Names of the columns of hard_row.
 std::string hard_heading();
 

@@ -17,20 +17,32 @@ inline void gather_step(const VertexBufferView& buffer, const std::uint32_t* ver
   }
 }
 
-template <typename Test>
-inline LeafVertices load_leaf(const TraversalRay& ray, const LeafHeader& leaf, const MeshRecord& mesh) {
+/// The steps that a leaf's vertices move between at the time of a ray; both are the same at rest.
+struct LeafMotion {
+  const StepVertices* begin;
+  const StepVertices* end;
+  float fraction;
+  alignas(32) StepVertices gathered[2];  ///< of an indexed leaf
+};
+
+inline void load_motion(const TraversalRay& ray, const LeafHeader& leaf, const MeshRecord& mesh,
+                        LeafMotion& motion) {
   const bool is_static = mesh.grid.segments == 0.0f;
   const SegmentTime at = is_static ? SegmentTime{0, 0.0f} : segment_at(mesh.grid, ray.time);
+  motion.fraction = at.fraction;
   if (leaf.indexed) {
     const auto* vertices = reinterpret_cast<const std::uint32_t*>(&leaf + 1);
-    alignas(32) StepVertices steps[2];
-    gather_step(mesh.steps[at.segment], vertices, steps[0]);
-    if (is_static) return Test::at_rest(ray, steps[0]);
-    gather_step(mesh.steps[at.segment + 1], vertices, steps[1]);
-    return Test::interpolated(ray, steps[0], steps[1], at.fraction);
+    gather_step(mesh.steps[at.segment], vertices, motion.gathered[0]);
+    if (!is_static) gather_step(mesh.steps[at.segment + 1], vertices, motion.gathered[1]);
+    motion.begin = motion.gathered;
+  } else {
+    motion.begin = reinterpret_cast<const StepVertices*>(&leaf + 1) + (at.segment - leaf.first_segment);
   }
-  const auto* steps = reinterpret_cast<const StepVertices*>(&leaf + 1);
-  if (is_static) return Test::at_rest(ray, steps[0]);
-  const StepVertices* step = steps + (at.segment - leaf.first_segment);
-  return Test::interpolated(ray, step[0], step[1], at.fraction);
+  motion.end = is_static ? motion.begin : motion.begin + 1;
+}
+
+template <typename Test>
+inline LeafVertices vertices_at(const TraversalRay& ray, const LeafMotion& motion) {
+  if (motion.begin == motion.end) return Test::at_rest(ray, *motion.begin);
+  return Test::interpolated(ray, *motion.begin, *motion.end, motion.fraction);
 }

@@ -21,11 +21,12 @@ struct WatertightTest {
   // Boxes -------------------------------------------------------------------------------------------------
 
   /// How far the triangle test may see a vertex from where it is: its translation, interpolation and shear
-  /// round by up to 8 * 2^-24 of the distance of the vertex, the slab distances by 3 more (docs/accuracy.md).
-  /// The second term survives the rounding of the sum with the origin.
+  /// round by up to 8 * 2^-24 of the distance of the vertex, the slab distances by 3 more, and a hit may lie
+  /// 16 before or behind that vertex (docs/accuracy.md). The second term survives the rounding of the sum
+  /// with the origin.
   static Axes slack(Axes origin, Axes distance) {
     const Axes size = _mm_andnot_ps(_mm_set1_ps(-0.0f), origin);
-    return _mm_add_ps(_mm_mul_ps(_mm_set1_ps(0x1p-20f), distance), _mm_mul_ps(_mm_set1_ps(0x1p-22f), size));
+    return _mm_add_ps(_mm_mul_ps(_mm_set1_ps(0x1p-19f), distance), _mm_mul_ps(_mm_set1_ps(0x1p-22f), size));
   }
 
   /// The near planes move towards the ray's origin by the slack, the far planes away from it.
@@ -103,11 +104,90 @@ struct WatertightTest {
     return bits;
   }
 
-  /// Decides candidate `i` in double. True, and t, u, v of the hit, if the ray's line meets it (edges
+  // The distance ------------------------------------------------------------------------------------------
+
+  /// A triangle as it stands to the ray, in double: corners relative to the origin, and their plane. The
+  /// floats that these are made of are exact, so what rounds is 2^-53 of the triangle's size, not 2^-24 of
+  /// it.
+  struct Plane {
+    double corners[3][3];  ///< of each corner: x, y, z
+    double normal[3];      ///< cross(b - a, c - a)
+    double distance;       ///< from the origin, times the normal's length
+    double facing;         ///< normal . direction
+
+    Plane(const TraversalRay& ray, const LeafMotion& motion, const std::uint8_t (&slots)[3]) {
+      const double f1 = motion.fraction, f0 = 1.0 - f1;
+      for (int k = 0; k < 3; ++k) {
+        const double o = ray.origin[k];
+        const float* const from = motion.begin->position[k];
+        const float* const to = motion.end->position[k];
+        for (int i = 0; i < 3; ++i) corners[i][k] = f0 * (from[slots[i]] - o) + f1 * (to[slots[i]] - o);
+      }
+      double e1[3], e2[3];
+      for (int k = 0; k < 3; ++k) {
+        e1[k] = corners[1][k] - corners[0][k];
+        e2[k] = corners[2][k] - corners[0][k];
+      }
+      normal[0] = e1[1] * e2[2] - e1[2] * e2[1];
+      normal[1] = e1[2] * e2[0] - e1[0] * e2[2];
+      normal[2] = e1[0] * e2[1] - e1[1] * e2[0];
+      distance = normal[0] * corners[0][0] + normal[1] * corners[0][1] + normal[2] * corners[0][2];
+      facing = normal[0] * ray.direction[0] + normal[1] * ray.direction[1] + normal[2] * ray.direction[2];
+    }
+
+    /// Whether the plane passes the ray's origin as near as floats tell: it meets the point if each of its
+    /// coordinates moves by 3 units in the last place.
+    bool holds_origin(const TraversalRay& ray) const {
+      const double size = std::fabs(normal[0] * ray.origin[0]) + std::fabs(normal[1] * ray.origin[1]) +
+                          std::fabs(normal[2] * ray.origin[2]);
+      return std::fabs(distance) <= 3 * 0x1p-23 * size;
+    }
+  };
+
+  static double least(double a, double b) { return a < b ? a : b; }
+  static double greatest(double a, double b) { return a > b ? a : b; }
+
+  /// Values of s, the distance along the ray on the axis kz, with its sign.
+  struct Range {
+    double lower, upper;
+
+    static Range of(double a, double b, double c, double slack) {
+      return {least(least(a, b), c) - slack, greatest(greatest(a, b), c) + slack};
+    }
+  };
+
+  /// Where the plane is met outside the triangle, or at the origin as near as floats tell: the nearest s
+  /// at which the ray is within the triangle's own bounds, padded by what the boxes above are padded for.
+  /// `weighted` is one of those.
+  static double within_bounds(const TraversalRay& ray, const Plane& plane, Range range, double weighted) {
+    const auto& q = plane.corners;
+    double reach = 0.0;
+    for (const auto& corner : q) {
+      for (int k = 0; k < 3; ++k) reach = greatest(reach, std::fabs(corner[k]));
+    }
+    const double slack = 0x1p-21 * reach;
+    const int axes[] = {ray.kx, ray.ky};
+    for (const int k : axes) {
+      const double slope = ray.direction[k] / ray.direction_z;
+      if (slope == 0.0) continue;
+      const Range across = Range::of(q[0][k], q[1][k], q[2][k], slack);
+      range.lower = greatest(range.lower, (slope > 0.0 ? across.lower : across.upper) / slope);
+      range.upper = least(range.upper, (slope > 0.0 ? across.upper : across.lower) / slope);
+    }
+    range.lower = least(range.lower, weighted);
+    range.upper = greatest(range.upper, weighted);
+    if (plane.holds_origin(ray) && range.lower <= 0.0 && range.upper >= 0.0) return 0.0;
+    const double s = plane.distance / plane.facing * ray.direction_z;
+    if (!(std::fabs(s) <= std::numeric_limits<double>::max())) return weighted;
+    return least(greatest(s, range.lower), range.upper);
+  }
+
+  /// Decides candidate `i` in double. True, and t, u, v, normal of the hit, if the ray's line meets it (edges
   /// included).
-  static bool decide(const TraversalRay& ray, const LeafHeader& leaf, const Candidates& s, unsigned i,
-                     Hit& hit) {
-    const std::uint8_t a = leaf.corners[0][i], b = leaf.corners[1][i], c = leaf.corners[2][i];
+  static bool decide(const TraversalRay& ray, const LeafHeader& leaf, const LeafMotion& motion,
+                     const Candidates& s, unsigned i, Hit& hit) {
+    const std::uint8_t slots[3] = {leaf.corners[0][i], leaf.corners[1][i], leaf.corners[2][i]};
+    const auto [a, b, c] = slots;
     const double ax = s.x[a], ay = s.y[a], bx = s.x[b], by = s.y[b], cx = s.x[c], cy = s.y[c];
     const double wa = cx * by - cy * bx;
     const double wb = ax * cy - ay * cx;
@@ -116,22 +196,23 @@ struct WatertightTest {
     const double det = wa + wb + wc;
     if (det == 0.0) return false;
     const double inverse = 1.0 / det;
-    const double z = wa * s.axis[2][a] + wb * s.axis[2][b] + wc * s.axis[2][c];
-    hit.t = static_cast<float>(z / (det * ray.direction_z));
+    const double az = s.axis[2][a], bz = s.axis[2][b], cz = s.axis[2][c];
+    const double weighted = (wa * az + wb * bz + wc * cz) * inverse;
+    Range range = Range::of(az, bz, cz, 0.0);
+    range.lower -= 0x1p-22 * std::fabs(range.lower);
+    range.upper += 0x1p-22 * std::fabs(range.upper);
+    const Plane plane(ray, motion, slots);
+    double t = plane.distance / plane.facing;
+    const double along = t * ray.direction_z;
+    const bool is_clear = std::fabs(along - weighted) <= 0x1p-20 * std::fabs(weighted) &&
+                          along >= range.lower && along <= range.upper && !plane.holds_origin(ray);
+    if (!is_clear) t = within_bounds(ray, plane, range, weighted) / ray.direction_z;
+    hit.t = static_cast<float>(t);
     if (!is_finite(hit.t)) return false;
     hit.u = static_cast<float>(wb * inverse);
     hit.v = static_cast<float>(wc * inverse);
+    hit.normal = {static_cast<float>(plane.normal[0]), static_cast<float>(plane.normal[1]),
+                  static_cast<float>(plane.normal[2])};
     return true;
-  }
-
-  static Vec3f normal(const TraversalRay& ray, const LeafHeader& leaf, const Candidates& s, unsigned i) {
-    const std::uint8_t a = leaf.corners[0][i], b = leaf.corners[1][i], c = leaf.corners[2][i];
-    float e1[3], e2[3];
-    const int order[3] = {ray.kx, ray.ky, ray.kz};
-    for (int k = 0; k < 3; ++k) {
-      e1[order[k]] = s.axis[k][b] - s.axis[k][a];
-      e2[order[k]] = s.axis[k][c] - s.axis[k][a];
-    }
-    return {e1[1] * e2[2] - e1[2] * e2[1], e1[2] * e2[0] - e1[0] * e2[2], e1[0] * e2[1] - e1[1] * e2[0]};
   }
 };

@@ -22,6 +22,7 @@ std::span<const HardFamily> hard_families() {
     add_scale_families(all);
     add_thin_families(all);
     add_flat_families(all);
+    add_ground_families(all);
     add_motion_families(all);
     add_range_families(all);
     add_invalid_families(all);

@@ -12,6 +12,7 @@ void add_time_families(std::vector<HardFamily>& families);
 void add_scale_families(std::vector<HardFamily>& families);
 void add_thin_families(std::vector<HardFamily>& families);
 void add_flat_families(std::vector<HardFamily>& families);
+void add_ground_families(std::vector<HardFamily>& families);
 void add_motion_families(std::vector<HardFamily>& families);
 void add_range_families(std::vector<HardFamily>& families);
 void add_invalid_families(std::vector<HardFamily>& families);

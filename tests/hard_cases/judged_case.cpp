@@ -60,7 +60,7 @@ void add(const ErrorCounts& batch, ErrorCounts& sum) {
   sum.within_rounding += batch.within_rounding;
   sum.oracle_hits += batch.oracle_hits;
   sum.near_edge += batch.near_edge;
-  sum.t_errors.insert(sum.t_errors.end(), batch.t_errors.begin(), batch.t_errors.end());
+  sum.distances.add(batch.distances);
 }
 
 std::string describe(const Ray& r, const char* query, std::string_view what, const HitRecord& hit) {
@@ -125,6 +125,8 @@ void JudgedCase::judge_batch(std::size_t index, std::span<const HitRecord> close
     const TriangleId from = hard_.leaving[batch.first + i];
     ++counts.departures;
     if (closest[i].geom_id == from.geom_id && closest[i].prim_id == from.prim_id) ++counts.self_hits;
+    if (!batch.answers.empty() && batch.answers[i].meets({from.geom_id, from.prim_id}))
+      ++counts.exact_self_hits;
   }
   add(errors, counts.errors);
   counts.any_wrong += any_errors.missed + any_errors.false_hits;
@@ -141,7 +143,7 @@ void JudgedCase::judge_refusal(std::string_view error, HardCounts& counts) const
 }
 
 void finish(HardCounts& counts) {
-  std::sort(counts.errors.t_errors.begin(), counts.errors.t_errors.end());
+  counts.errors.distances.sort();
 }
 
 }  // namespace stbvh::harness

@@ -15,13 +15,14 @@ namespace stbvh::harness {
 
 /// What one structure answered to the rays of a family.
 struct HardCounts {
-  ErrorCounts errors;           ///< of closest hits; differences are not kept
-  std::size_t leaks = 0;        ///< rays from inside a closed mesh that got out of it, by either query
-  std::size_t near_misses = 0;  ///< of closest hits: exact hits that were missed, within rounding
-  std::size_t any_wrong = 0;    ///< occlusion rays that missed or falsely hit
-  std::size_t self_hits = 0;    ///< rays that hit the triangle which they leave from
-  std::size_t departures = 0;   ///< rays that leave from a triangle
-  std::string example;          ///< the first wrong ray, empty if there is none
+  ErrorCounts errors;               ///< of closest hits; differences are not kept
+  std::size_t leaks = 0;            ///< rays from inside a closed mesh that got out of it, by either query
+  std::size_t near_misses = 0;      ///< of closest hits: exact hits that were missed, within rounding
+  std::size_t any_wrong = 0;        ///< occlusion rays that missed or falsely hit
+  std::size_t self_hits = 0;        ///< rays that hit the triangle which they leave from
+  std::size_t exact_self_hits = 0;  ///< rays of which that is the exact answer
+  std::size_t departures = 0;       ///< rays that leave from a triangle
+  std::string example;              ///< the first wrong ray, empty if there is none
 
   bool is_right() const {
     return leaks + any_wrong + errors.missed + errors.false_hits + errors.wrong_primitive == 0;
@@ -67,7 +68,7 @@ class JudgedCase {
   std::vector<Batch> batches_;
 };
 
-/// Puts t_errors in order after the last batch.
+/// Puts distance errors in order after the last batch.
 void finish(HardCounts& counts);
 
 }  // namespace stbvh::harness

@@ -152,11 +152,9 @@ TEST_F(Judge, Occlusion) {
 }
 
 TEST(ErrorCounts, PercentilesOfT) {
-  ErrorCounts counts;
-  EXPECT_EQ(counts.t_error(0.5), 0);
-  counts.t_errors = {1, 2, 3, 4, 5};
-  EXPECT_EQ(counts.t_error(0.5), 3);
-  EXPECT_EQ(counts.t_error(1), 5);
+  EXPECT_EQ(percentile({}, 0.5), 0);
+  EXPECT_EQ(percentile({1, 2, 3, 4, 5}, 0.5), 3);
+  EXPECT_EQ(percentile({1, 2, 3, 4, 5}, 1), 5);
 }
 
 void expect_cull_changes_nothing(const Scene& scene, std::size_t count) {

@@ -44,9 +44,11 @@ TEST(Json, HasTheFieldsThatOthersRead) {
       {"kind", "scene", "structure", "rays", "threads", "repeats", "mrays_per_s", "mrays_per_s_min",
        "mrays_per_s_max", "ratio_to_embree", "hits"},
       {"kind", "scene", "structure", "rays", "traced", "missed", "false_hits", "wrong_primitive",
-       "t_error_rel_p50", "t_error_rel_p99", "t_error_rel_max"},
+       "t_error_rel_p50", "t_error_rel_p99", "t_error_rel_max", "t_error_ulps_p99", "off_plane_p99",
+       "grazing"},
       {"kind", "family", "structure", "traced", "leaks", "missed", "false_hits", "wrong_primitive",
-       "any_hit_wrong", "self_hits", "within_rounding", "ties", "t_error_rel_p99", "t_error_rel_max"}};
+       "any_hit_wrong", "self_hits", "exact_self_hits", "within_rounding", "ties", "t_error_rel_p99",
+       "t_error_ulps_max", "off_plane_p99"}};
   for (std::size_t i = 0; i < fields.size(); ++i) {
     for (const char* field : fields[i]) EXPECT_TRUE(json["records"][i].contains(field)) << field;
   }
@@ -198,7 +200,7 @@ TEST(Json, SpeedsAndHardCasesComeBack) {
   HardResult hard;
   hard.leaks = 3;
   hard.within_rounding = 7;
-  hard.t_error_rel_p99 = std::numeric_limits<double>::infinity();  // null in JSON
+  hard.distance.relative.p99 = std::numeric_limits<double>::infinity();  // null in JSON
   report.hards = {hard, HardResult{}};
   const TemporaryFolder folder;
   const fs::path file = folder.path() / "records.json";

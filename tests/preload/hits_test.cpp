@@ -33,6 +33,31 @@ TEST(PreloadHits, AreThoseOfEmbreeInAllKindsOfScenes) {
   }
 }
 
+TEST(PreloadHits, NoneForRaysThatLeaveALargeGround) {
+  Random random(6);
+  for (const float size : {10.0f, 1e3f, 1e4f, 1e5f, 1e6f}) {
+    Mesh ground;
+    ground.indices = {0, 1, 2, 0, 2, 3};
+    ground.steps.assign(2, {{-size, 0, -size}, {size, 0, -size}, {size, 0, size}, {-size, 0, size}, {}});
+    Twice twice;
+    twice.add(ground);
+    twice.commit();
+    ASSERT_TRUE(is_taken_over(twice.our_scene));
+    for (int i = 0; i < 20000; ++i) {
+      constexpr float kHeights[] = {0, 1e-4f, 1e-3f, 1e-2f};
+      RTCRayHit ray = ray_along_z(0.9f * random.between(-size, size), kHeights[i % 4], random.unit());
+      ray.ray.org_z = 0.9f * random.between(-size, size);
+      ray.ray.dir_x = random.between(-1, 1);
+      ray.ray.dir_y = random.between(1e-6f, 1);
+      ray.ray.dir_z = random.between(-1, 1);
+      RTCIntersectContext context;
+      rtcInitIntersectContext(&context);
+      rtcIntersect1(twice.our_scene, &context, &ray);
+      ASSERT_EQ(ray.hit.geomID, RTC_INVALID_GEOMETRY_ID) << size;
+    }
+  }
+}
+
 /// Members of a ray and its hit, each 4 bytes; in a packet each lies `size` times side by side.
 constexpr unsigned kMembers = 12 + 7 + RTC_MAX_INSTANCE_LEVEL_COUNT;
 
