@@ -9,45 +9,12 @@
 #include <cstdio>
 #include <system_error>
 
+#include "harness/files/open_file.h"
+
 namespace stbvh::harness {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A file descriptor with an owner.
-class OpenFile {
- public:
-  OpenFile(const fs::path& path, int flags) : descriptor_(open(path.c_str(), flags | O_CLOEXEC, 0666)) {}
-  ~OpenFile() {
-    if (descriptor_ >= 0) close(descriptor_);
-  }
-  OpenFile(const OpenFile&) = delete;
-  OpenFile& operator=(const OpenFile&) = delete;
-
-  bool is_open() const { return descriptor_ >= 0; }
-
-  /// Whether all parts arrived, also on the disk where there is one. A failure is in errno.
-  bool write_all(std::span<const std::string_view> parts) {
-    for (const std::string_view part : parts) {
-      if (!write_part(part)) return false;
-    }
-    return fsync(descriptor_) == 0 || errno == EINVAL || errno == EROFS;
-  }
-
- private:
-  bool write_part(std::string_view bytes) {
-    std::size_t done = 0;
-    while (done < bytes.size()) {
-      const ssize_t n = write(descriptor_, bytes.data() + done, bytes.size() - done);
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) return false;
-      done += static_cast<std::size_t>(n);
-    }
-    return true;
-  }
-
-  int descriptor_;
-};
 
 [[noreturn]] void fail(const fs::path& path, int error) {
   throw OutputFileError(
