@@ -17,7 +17,7 @@
 #include <string>
 
 #include "harness/files/input_file.h"
-#include "harness/files/output_file.h"
+#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 namespace {
