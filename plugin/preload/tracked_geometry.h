@@ -91,6 +91,7 @@ class TrackedGeometry {
 
  private:
   bool has_buffers() const;
+  bool can_be_built() const;
 
   std::mutex mutex_;
   bool natively_enabled_ = true;
