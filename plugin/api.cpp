@@ -9,7 +9,11 @@
 #include "plugin/versioned_struct.h"
 
 struct StbvhGeometryTy {
-  explicit StbvhGeometryTy(RTCDevice device) : geometry(device) {}
+  explicit StbvhGeometryTy(RTCDevice device) : geometry(device) {
+    error_message.reserve(kMessageBytes);  // "out of memory" shall find room
+  }
+
+  static constexpr std::size_t kMessageBytes = 128;
 
   std::atomic<std::size_t> references{1};
   std::string error_message;

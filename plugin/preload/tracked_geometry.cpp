@@ -31,6 +31,8 @@ const char* describe(StaysNative reason) {
       return "time range empty, next to empty or not finite";
     case StaysNative::kTooLarge:
       return "too large";
+    case StaysNative::kNoMemory:
+      return "no memory to follow it";
     case StaysNative::kDevice:
       return "Embree without ray masks or filters, or with backface culling";
   }
@@ -82,6 +84,7 @@ bool TrackedGeometry::is_taken_over() {
 StaysNative TrackedGeometry::why_native() const {
   if (step_count < 2 && !environment().all_triangles) return StaysNative::kOneStep;
   if (!committed) return StaysNative::kUncommitted;
+  if (!is_known) return StaysNative::kNoMemory;
   if (too_large) return StaysNative::kTooLarge;
   if (!is_usable(time_range)) return StaysNative::kTimeRange;
   return has_buffers() && can_be_built() ? StaysNative::kNone : StaysNative::kBuffers;

@@ -2,6 +2,7 @@
 #include <cstring>
 #include <limits>
 
+#include "tests/packet_widths.h"
 #include "tests/plugin/mesh_pair.h"
 
 namespace stbvh::test {
@@ -57,16 +58,6 @@ RTCRayHit random_masked_ray(Random& random) {
 
 /// How a lane is switched off.
 enum class Lane { kOn, kOffByValid, kOffByValidAndDistance };
-
-/// Whether Embree traces packets of N as such. Where it does not it cuts them up as it does streams, and
-/// takes only tnear > tfar for switched off: `valid` is not looked at.
-template <unsigned N>
-bool is_native_width(RTCDevice device) {
-  constexpr RTCDeviceProperty kProperty = N == 4   ? RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED
-                                          : N == 8 ? RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED
-                                                   : RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED;
-  return rtcGetDeviceProperty(device, kProperty) != 0;
-}
 
 /// Queries of both scenes with one packet.
 template <unsigned N>
