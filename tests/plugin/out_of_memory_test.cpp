@@ -100,6 +100,23 @@ TEST_F(PluginOutOfMemory, InEachAllocation) {
   }
 }
 
+/// Of a build that has tasks, the first allocations and some of the others.
+TEST_F(PluginOutOfMemory, InABuildWithTasks) {
+  meshes_[2] = triangle_soup(1, 4000, 5);
+  arguments_[2] = arguments_of(meshes_[2], pointers_[2]);
+  bool have_failed = true;
+  for (long number = 0; have_failed; number += 1 + number / 16) {
+    SCOPED_TRACE(testing::Message() << "allocation " << number);
+    bool built = false;
+    {
+      const FailingAllocations failing(number, Which::kAllFrom);
+      built = build();
+      have_failed = failing.have_failed();
+    }
+    ASSERT_NO_FATAL_FAILURE(expect_recovery(built));
+  }
+}
+
 TEST_F(PluginOutOfMemory, AsTheMemoryMonitorSays) {
   bool have_refused = true;
   for (long number = 0; have_refused; ++number) {
