@@ -5,6 +5,7 @@ build_packages=(cmake ninja-build g++ git libembree-dev libtbb-dev libfmt-dev li
   libosd-dev nlohmann-json3-dev libcli11-dev libgmp-dev libbenchmark-dev libpugixml-dev libglfw3-dev libimgui-dev
   libgl-dev pkgconf)
 test_packages=(libgtest-dev embree-tools pkgconf python3 xvfb libgl1-mesa-dri libx11-dev)
+processor_packages=(qemu-user)
 chart_packages=(python3-matplotlib)
 format_packages=(clang-format)
 fuzz_packages=(clang-14 libclang-rt-14-dev)

@@ -9,7 +9,11 @@
 #include "plugin/versioned_struct.h"
 
 struct StbvhGeometryTy {
-  explicit StbvhGeometryTy(RTCDevice device) : geometry(device) {}
+  explicit StbvhGeometryTy(RTCDevice device) : geometry(device) {
+    error_message.reserve(kMessageBytes);  // "out of memory" shall find room
+  }
+
+  static constexpr std::size_t kMessageBytes = 128;
 
   std::atomic<std::size_t> references{1};
   std::string error_message;
@@ -52,7 +56,7 @@ void require(const void* pointer, const char* name) {
   if (pointer == nullptr) throw ApiError(RTC_ERROR_INVALID_ARGUMENT, std::string(name) + " is null");
 }
 
-MeshDescription& mesh_at(stbvh::plugin::Geometry& geometry, unsigned index) {
+const MeshDescription& mesh_at(const stbvh::plugin::Geometry& geometry, unsigned index) {
   if (index >= geometry.meshes().size()) {
     throw ApiError(RTC_ERROR_INVALID_ARGUMENT, "meshIndex is " + std::to_string(index) + ", but there are " +
                                                    std::to_string(geometry.meshes().size()) + " meshes");
@@ -97,14 +101,15 @@ void stbvhReleaseGeometry(StbvhGeometry geometry) {
 RTCError stbvhAddMesh(StbvhGeometry geometry, const StbvhMeshArguments* arguments, unsigned* meshIndex) {
   return guarded(geometry, [&](stbvh::plugin::Geometry& g) {
     const auto index = static_cast<unsigned>(g.meshes().size());
-    g.meshes().emplace_back(read_arguments(arguments));
+    g.add_mesh(MeshDescription(read_arguments(arguments)));
     if (meshIndex != nullptr) *meshIndex = index;
   });
 }
 
 RTCError stbvhSetMesh(StbvhGeometry geometry, unsigned meshIndex, const StbvhMeshArguments* arguments) {
   return guarded(geometry, [&](stbvh::plugin::Geometry& g) {
-    mesh_at(g, meshIndex) = MeshDescription(read_arguments(arguments));
+    mesh_at(g, meshIndex);
+    g.set_mesh(meshIndex, MeshDescription(read_arguments(arguments)));
   });
 }
 

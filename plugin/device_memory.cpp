@@ -50,6 +50,17 @@ bool TemporaryMemory::report(std::ptrdiff_t bytes) {
   return !refused();
 }
 
+/// Null without memory, also for its entry among the blocks. Does not throw: memory is given back in
+/// destructors.
+RTCBuffer TemporaryMemory::new_block(std::size_t bytes) {
+  try {
+    blocks_.reserve(blocks_.size() + 1);
+  } catch (const std::bad_alloc&) {
+    return nullptr;
+  }
+  return rtcNewBuffer(device_, bytes);
+}
+
 void TemporaryMemory::grow() {
   const std::lock_guard lock(mutex_);
   const std::ptrdiff_t announced = announced_.load(std::memory_order_relaxed);
@@ -58,13 +69,12 @@ void TemporaryMemory::grow() {
   // An eighth of what there is: a large build needs few blocks, and announces at most an eighth too much.
   const auto bytes =
       std::max({kBlockBytes, static_cast<std::size_t>(missing), static_cast<std::size_t>(announced) / 8});
-  blocks_.reserve(blocks_.size() + 1);
-  const RTCBuffer buffer = rtcNewBuffer(device_, bytes);
+  const RTCBuffer buffer = new_block(bytes);
   if (buffer == nullptr) {
     refused_.store(true, std::memory_order_relaxed);
     return;
   }
-  blocks_.push_back({buffer, bytes});
+  blocks_.push_back({buffer, bytes});  // there is room
   announced_.store(announced + static_cast<std::ptrdiff_t>(bytes), std::memory_order_relaxed);
 }
 

@@ -44,6 +44,7 @@ class TemporaryMemory {
     std::size_t bytes;
   };
 
+  RTCBuffer new_block(std::size_t bytes);
   void grow();
   void shrink();
 

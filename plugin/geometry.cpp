@@ -1,6 +1,7 @@
 #include "plugin/geometry.h"
 
 #include <new>
+#include <utility>
 
 #include "plugin/callbacks.h"
 #include "plugin/device_memory.h"
@@ -38,7 +39,7 @@ Geometry::Geometry(RTCDevice device) : device_(device) {
   rtcSetGeometryBoundsFunction(rtc_geometry_, bounds_callback, nullptr);
   rtcSetGeometryIntersectFunction(rtc_geometry_, intersect_callback);
   rtcSetGeometryOccludedFunction(rtc_geometry_, occluded_callback);
-  publish(empty);
+  show(empty);  // not committed: Embree refuses scenes with it until the application has done that
 }
 
 Geometry::~Geometry() {
@@ -48,18 +49,47 @@ Geometry::~Geometry() {
   rtcReleaseDevice(device_);
 }
 
+void Geometry::add_mesh(MeshDescription mesh) {
+  meshes_.push_back(std::move(mesh));
+  require_commit();
+}
+
+void Geometry::set_mesh(std::size_t index, MeshDescription mesh) {
+  meshes_[index] = std::move(mesh);
+  require_commit();
+}
+
+void Geometry::set_precision(Precision precision) {
+  settings_.precision = precision;
+  require_commit();
+}
+
+void Geometry::set_inline_share(float share) {
+  settings_.inline_share = share;
+  require_commit();
+}
+
+/// As after a setter of Embree's own: scenes that hold the geometry are refused until it is committed.
+void Geometry::require_commit() {
+  rtcSetGeometryMask(rtc_geometry_, published_ == nullptr ? 0 : union_of_masks(*published_));
+}
+
 void Geometry::set_progress(RTCProgressMonitorFunction progress, void* user_ptr) {
   progress_ = progress;
   progress_user_ptr_ = user_ptr;
 }
 
-/// Makes `published` what the callbacks see, and what Embree knows of it.
-void Geometry::publish(const Published& published) {
+/// Makes `published` what the callbacks see, and what Embree will know of it after a commit.
+void Geometry::show(const Published& published) {
   // Embree's user data is not const; the callbacks only read it.
   rtcSetGeometryUserData(rtc_geometry_, const_cast<Published*>(&published));
   rtcSetGeometryTimeStepCount(rtc_geometry_, static_cast<unsigned>(published.grid.steps.size()));
   rtcSetGeometryTimeRange(rtc_geometry_, published.grid.time_range.begin, published.grid.time_range.end);
   rtcSetGeometryMask(rtc_geometry_, union_of_masks(published));
+}
+
+void Geometry::publish(const Published& published) {
+  show(published);
   rtcCommitGeometry(rtc_geometry_);
 }
 

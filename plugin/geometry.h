@@ -23,10 +23,12 @@ class Geometry {
 
   RTCGeometry rtc_geometry() const { return rtc_geometry_; }
 
-  std::vector<MeshDescription>& meshes() { return meshes_; }
+  const std::vector<MeshDescription>& meshes() const { return meshes_; }
 
-  void set_precision(Precision precision) { settings_.precision = precision; }
-  void set_inline_share(float share) { settings_.inline_share = share; }
+  void add_mesh(MeshDescription mesh);
+  void set_mesh(std::size_t index, MeshDescription mesh);
+  void set_precision(Precision precision);
+  void set_inline_share(float share);
   void set_progress(RTCProgressMonitorFunction progress, void* user_ptr);
 
   /// Builds the tree and commits the RTCGeometry. On an exception the geometry is empty, and committed so.
@@ -38,7 +40,9 @@ class Geometry {
  private:
   std::unique_ptr<Published> build(TemporaryMemory& temporary_memory) const;
   BuildCallbacks build_callbacks(TemporaryMemory& temporary_memory) const;
+  void show(const Published& published);
   void publish(const Published& published);
+  void require_commit();
 
   RTCDevice device_;
   RTCGeometry rtc_geometry_ = nullptr;

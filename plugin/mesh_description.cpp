@@ -10,14 +10,15 @@ namespace {
   throw ApiError(RTC_ERROR_INVALID_ARGUMENT, message);
 }
 
-bool is_aligned(const void* pointer) {
-  return reinterpret_cast<std::uintptr_t>(pointer) % alignof(float) == 0;
+void check_alignment(const void* pointer, std::size_t alignment, const std::string& name) {
+  if (reinterpret_cast<std::uintptr_t>(pointer) % alignment == 0) return;
+  refuse(name + " must be aligned to " + std::to_string(alignment) + " bytes");
 }
 
 void check_stride(std::size_t stride, const std::string& name) {
-  if (stride < 12 || stride % 4 != 0) {
-    refuse(name + " must be a multiple of 4 and at least 12, not " + std::to_string(stride));
-  }
+  if (stride >= 12 && stride <= PTRDIFF_MAX && stride % 4 == 0) return;
+  refuse(name + " must be a multiple of 4 from 12 to " + std::to_string(PTRDIFF_MAX) + ", not " +
+         std::to_string(stride));
 }
 
 void check_indices(const StbvhMeshArguments& arguments) {
@@ -25,7 +26,7 @@ void check_indices(const StbvhMeshArguments& arguments) {
   if (arguments.triangleCount > 0 && arguments.indices == nullptr) {
     refuse("indices is null, but triangleCount is " + std::to_string(arguments.triangleCount));
   }
-  if (!is_aligned(arguments.indices)) refuse("indices must be aligned to 4 bytes");
+  check_alignment(arguments.indices, 4, "indices");
   if (arguments.triangleCount > UINT32_MAX) refuse("triangleCount must fit into 32 bits");
 }
 
@@ -37,10 +38,13 @@ void check_steps(const StbvhMeshArguments& arguments) {
     refuse("startTime and endTime must be finite");
   }
   if (!(arguments.startTime < arguments.endTime)) refuse("startTime must be smaller than endTime");
-  if (!std::isfinite(arguments.endTime - arguments.startTime))
+  if (!std::isfinite(arguments.endTime - arguments.startTime)) {
     refuse("the time range is too long for a float");
+  }
   if (arguments.vertexCount > UINT32_MAX) refuse("vertexCount must fit into 32 bits");
   if (arguments.vertices == nullptr && arguments.vertexCount > 0) refuse("vertices is null");
+  check_alignment(arguments.vertices, alignof(void*), "vertices");
+  check_alignment(arguments.vertexByteStrides, alignof(std::size_t), "vertexByteStrides");
 }
 
 }  // namespace
@@ -56,11 +60,13 @@ MeshDescription::MeshDescription(const StbvhMeshArguments& arguments) : argument
     check_stride(stride,
                  arguments.vertexByteStrides == nullptr ? "vertexByteStride" : "vertexByteStrides" + name);
     if (data == nullptr && arguments.vertexCount > 0) refuse("vertices" + name + " is null");
-    if (!is_aligned(data)) refuse("vertices" + name + " must be aligned to 4 bytes");
+    check_alignment(data, 4, "vertices" + name);
     vertices_.push_back(data);
     strides_.push_back(stride);
     steps_.push_back({data, arguments.vertexCount, stride});
   }
+  // What the commit would refuse: here it is still known which mesh it is, and the others stay.
+  if (const char* const problem = problem_of(view())) refuse(std::string("the mesh ") + problem);
 }
 
 StbvhMeshArguments MeshDescription::arguments() const {

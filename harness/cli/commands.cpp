@@ -10,7 +10,7 @@
 #include "harness/cli/scene_source.h"
 #include "harness/cli/script.h"
 #include "harness/cli/usage_error.h"
-#include "harness/files/output_file.h"
+#include "plugin/files/output_file.h"
 #include "harness/images/compare.h"
 #include "harness/images/exr_file.h"
 #include "harness/rays/ray_generator.h"

@@ -5,7 +5,7 @@
 
 #include "harness/cli/commands.h"
 #include "harness/cli/session.h"
-#include "harness/files/output_file.h"
+#include "plugin/files/output_file.h"
 #include "harness/images/exr_file.h"
 #include "harness/images/flip.h"
 #include "harness/images/heat_map.h"

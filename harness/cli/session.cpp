@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "harness/files/output_file.h"
+#include "plugin/files/output_file.h"
 #include "harness/rays/ray_generator.h"
 #include "harness/report/json.h"
 #include "harness/report/machine.h"

@@ -13,7 +13,7 @@
 #include "harness/cli/make_folder.h"
 #include "harness/cli/report_pictures.h"
 #include "harness/cli/session.h"
-#include "harness/files/output_file.h"
+#include "plugin/files/output_file.h"
 #include "harness/images/exr_file.h"
 #include "harness/path_tracer/frozen_times.h"
 #include "harness/path_tracer/render.h"

@@ -13,11 +13,11 @@
 
 #include <algorithm>
 #include <cstring>
-#include <fstream>
 #include <limits>
 #include <string>
 
-#include "harness/files/output_file.h"
+#include "harness/files/input_file.h"
+#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 namespace {
@@ -25,6 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxSide = 65536;
+constexpr std::size_t kMaxFileBytes = std::size_t{4} << 30;
 constexpr std::size_t kMaxPixelBytes = std::size_t{4} << 30;
 constexpr std::size_t kMaxCompression = 4096;  // zlib reaches 1032; more is a broken header
 
@@ -116,15 +117,11 @@ std::string encode(const LayeredImage& image) {
 }
 
 std::string bytes_of(const fs::path& path) {
-  std::error_code error;
-  if (!fs::exists(path, error)) refuse(path, "there is no such file");
-  if (!fs::is_regular_file(path, error)) refuse(path, "it is not a file");
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream) refuse(path, "it cannot be opened");
-  std::string bytes(static_cast<std::size_t>(fs::file_size(path)), '\0');
-  stream.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!stream) refuse(path, "it cannot be read");
-  return bytes;
+  try {
+    return read_whole_file(path, kMaxFileBytes);
+  } catch (const InputFileError& e) {
+    refuse(path, fmt::format("it {}", e.what()));
+  }
 }
 
 /// Width and height of the data window. Throws what read_exr turns into ImageFileError.

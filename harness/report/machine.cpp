@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <fstream>
+#include <new>
 
 #include "stbvh/isa.h"
 #include "stbvh_commit.h"
@@ -30,7 +31,10 @@ unsigned usable_cores() {
 
 std::string embree_version() {
   RTCDevice device = rtcNewDevice(nullptr);
-  if (device == nullptr) return "unavailable";
+  if (device == nullptr) {
+    if (rtcGetDeviceError(nullptr) == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+    return "unavailable";
+  }
   const auto number = [&](RTCDeviceProperty property) { return rtcGetDeviceProperty(device, property); };
   const std::string version =
       fmt::format("{}.{}.{}", number(RTC_DEVICE_PROPERTY_VERSION_MAJOR),

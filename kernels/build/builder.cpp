@@ -5,6 +5,7 @@
 #include <tbb/task_group.h>
 
 #include <algorithm>
+#include <new>
 
 #include "build/mbsah.h"
 #include "build/meshlets.h"
@@ -20,6 +21,14 @@ constexpr std::size_t kSplitDepthLimit = 56;  ///< below, sets are only halved: 
 constexpr std::size_t kPollSet = 65536;       ///< sets from this size on ask the progress callback themselves
 constexpr std::size_t kChunk = 1024;
 
+/// Where TBB has no memory for it the tasks run to their end.
+void cancel(tbb::task_group& group) {
+  try {
+    group.cancel();
+  } catch (const std::bad_alloc&) {
+  }
+}
+
 /// Runs both on the task scheduler where `parallel`, else one after the other. Exceptions of either get out.
 template <typename F, typename G>
 void invoke_both(bool parallel, const F& f, const G& g) {
@@ -33,8 +42,8 @@ void invoke_both(bool parallel, const F& f, const G& g) {
   try {
     f();
   } catch (...) {
-    group.cancel();
-    group.wait();
+    cancel(group);
+    group.wait();  // a group that nobody waited for ends the process
     throw;
   }
   // Skipped where a task above has thrown: that one's exception gets out in the end.

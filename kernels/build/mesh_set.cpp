@@ -7,6 +7,7 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <string>
 
@@ -27,8 +28,31 @@ TimeGrid make_grid(const MeshView& view) {
   return {range.begin, range.end, range.end - range.begin, static_cast<float>(view.steps.size() - 1)};
 }
 
-void check(bool condition, std::size_t index, const char* what) {
-  if (!condition) throw InvalidMesh("mesh " + std::to_string(index) + ": " + what);
+/// Whether `count` elements of `bytes`, `stride` apart, can lie at `data`: no object takes more than half of
+/// the address space.
+bool fits_into_memory(const void* data, std::size_t count, std::size_t stride, std::size_t bytes) {
+  constexpr std::size_t kMost = std::numeric_limits<std::ptrdiff_t>::max();
+  if (stride > kMost) return false;
+  if (count == 0) return true;
+  if (count - 1 > (kMost - bytes) / stride) return false;
+  const std::size_t extent = (count - 1) * stride + bytes;
+  return reinterpret_cast<std::uintptr_t>(data) <= std::numeric_limits<std::uintptr_t>::max() - extent;
+}
+
+const char* problem_of_indices(const MeshView& mesh) {
+  if (mesh.indices == nullptr && mesh.triangle_count > 0) return "has no index buffer";
+  if (mesh.triangle_count > kInvalidId) return "has more than 2^32 - 1 triangles";
+  if (mesh.index_stride < sizeof(BuildMesh::Triangle)) return "has an index stride below 12 bytes";
+  const bool fits =
+      fits_into_memory(mesh.indices, mesh.triangle_count, mesh.index_stride, sizeof(BuildMesh::Triangle));
+  return fits ? nullptr : "has indices that reach beyond the end of memory";
+}
+
+const char* problem_of_step(const VertexBufferView& step) {
+  if (step.data == nullptr && step.count > 0) return "lacks the vertex buffer of a step";
+  if (step.stride < sizeof(Vec3f)) return "has a vertex stride below 12 bytes";
+  const bool fits = fits_into_memory(step.data, step.count, step.stride, sizeof(Vec3f));
+  return fits ? nullptr : "has vertices that reach beyond the end of memory";
 }
 
 bool is_valid_coordinate(float x) {
@@ -37,23 +61,31 @@ bool is_valid_coordinate(float x) {
 
 }  // namespace
 
+bool is_usable(const TimeRange& range) {
+  const float begin = normal_time(range.begin), end = normal_time(range.end);
+  return std::isfinite(begin) && std::isfinite(end) && std::isfinite(end - begin) &&
+         end - begin >= std::numeric_limits<float>::min();
+}
+
+const char* problem_of(const MeshView& mesh) {
+  if (mesh.steps.empty()) return "has no steps";
+  if (mesh.steps.size() > kMaxSteps) return "has more than 129 steps";
+  if (const char* const problem = problem_of_indices(mesh)) return problem;
+  for (const VertexBufferView& step : mesh.steps) {
+    if (step.count != mesh.steps[0].count) return "has steps of different vertex counts";
+    if (const char* const problem = problem_of_step(step)) return problem;
+  }
+  if (mesh.steps.size() > 1 && !is_usable(mesh.time_range)) {
+    return "has a time range that is empty, not finite, or shorter than 1.18e-38";
+  }
+  return nullptr;
+}
+
 BuildMesh::BuildMesh(const MeshView& view, std::size_t index) : view_(view) {
-  check(!view.steps.empty(), index, "has no steps");
-  check(view.steps.size() <= kMaxSteps, index, "has more than 129 steps");
-  check(view.indices != nullptr || view.triangle_count == 0, index, "has no index buffer");
-  check(view.triangle_count <= kInvalidId, index, "has more than 2^32 - 1 triangles");
-  check(view.index_stride >= sizeof(Triangle), index, "has an index stride below 12 bytes");
-  for (const VertexBufferView& step : view.steps) {
-    check(step.count == view.steps[0].count, index, "has steps of different vertex counts");
-    check(step.data != nullptr || step.count == 0, index, "lacks the vertex buffer of a step");
-    check(step.stride >= sizeof(Vec3f), index, "has a vertex stride below 12 bytes");
+  if (const char* const problem = problem_of(view)) {
+    throw InvalidMesh("mesh " + std::to_string(index) + ": " + problem);
   }
   grid_ = make_grid(view_);
-  if (view.steps.size() > 1) {
-    check(std::isfinite(grid_.begin) && std::isfinite(grid_.end) && std::isfinite(grid_.length) &&
-              grid_.length >= std::numeric_limits<float>::min(),
-          index, "has a time range that is empty or not finite");
-  }
   for (std::uint32_t k = 1; k < segments(); ++k) boundaries_.push_back(first_time_of_segment(grid_, k));
   find_invalid_vertices();
 }

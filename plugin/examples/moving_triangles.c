@@ -40,6 +40,10 @@ int main(void) {
   const void* const moving[3] = {kFirst, kSecond, kThird};
   const void* const ground[1] = {kGround};
   const RTCDevice device = rtcNewDevice(NULL);
+  if (device == NULL) {
+    fprintf(stderr, "no Embree device: error %d\n", (int)rtcGetDeviceError(NULL));
+    return 1;
+  }
   const RTCScene scene = rtcNewScene(device);
   const StbvhGeometry geometry = stbvhNewGeometry(device);
   int failed = add_triangle(geometry, moving, 3) != RTC_ERROR_NONE ||

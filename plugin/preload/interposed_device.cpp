@@ -1,5 +1,6 @@
 /// The device's functions that the application reaches here first.
 #include <cstdio>
+#include <new>
 
 #include "plugin/preload/environment.h"
 #include "plugin/preload/real_embree.h"
@@ -28,10 +29,15 @@ extern "C" {
 
 RTCDevice rtcNewDevice(const char* config) {
   const RTCDevice device = real().rtcNewDevice(config);
-  if (device == nullptr || !stbvh::preload::environment().enabled || !is_embree3(device)) return device;
-  stbvh::preload::track_device(device, config);
-  stbvh::preload::report_statistics_at_exit();
-  stbvh::preload::count_device();
+  if (device == nullptr) return device;
+  try {
+    if (!stbvh::preload::environment().enabled || !is_embree3(device)) return device;
+    stbvh::preload::track_device(device, config);
+    stbvh::preload::report_statistics_at_exit();
+    stbvh::preload::count_device();
+  } catch (const std::bad_alloc&) {
+    std::fputs("libstbvh_preload: out of memory; everything is left to Embree\n", stderr);
+  }
   return device;
 }
 

@@ -1,4 +1,6 @@
 /// A geometry's life and plain properties.
+#include <new>
+
 #include "plugin/preload/real_embree.h"
 #include "plugin/preload/recording.h"
 
@@ -12,10 +14,16 @@ extern "C" {
 
 RTCGeometry rtcNewGeometry(RTCDevice device, RTCGeometryType type) {
   const RTCGeometry geometry = real().rtcNewGeometry(device, type);
-  if (geometry != nullptr && stbvh::preload::find_device(device) != nullptr) {
+  const auto tracked_device = geometry == nullptr ? nullptr : stbvh::preload::find_device(device);
+  if (tracked_device == nullptr) return geometry;
+  try {
     geometries().add(geometry, std::make_shared<TrackedGeometry>(geometry, type, device));
+    return geometry;
+  } catch (const std::bad_alloc&) {
+    real().rtcReleaseGeometry(geometry);
+    tracked_device->raise_out_of_memory();
+    return nullptr;
   }
-  return geometry;
 }
 
 void rtcRetainGeometry(RTCGeometry geometry) {

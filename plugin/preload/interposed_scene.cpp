@@ -1,4 +1,6 @@
 /// A scene's life, its contents and its commits.
+#include <new>
+
 #include "plugin/preload/real_embree.h"
 #include "plugin/preload/tracked_scene.h"
 
@@ -9,9 +11,16 @@ extern "C" {
 
 RTCScene rtcNewScene(RTCDevice device) {
   const RTCScene scene = real().rtcNewScene(device);
-  const auto tracked = scene == nullptr ? nullptr : stbvh::preload::find_device(device);
-  if (tracked != nullptr) scenes().add(scene, std::make_shared<stbvh::preload::TrackedScene>(scene, tracked));
-  return scene;
+  const auto tracked_device = scene == nullptr ? nullptr : stbvh::preload::find_device(device);
+  if (tracked_device == nullptr) return scene;
+  try {
+    scenes().add(scene, std::make_shared<stbvh::preload::TrackedScene>(scene, tracked_device));
+    return scene;
+  } catch (const std::bad_alloc&) {
+    real().rtcReleaseScene(scene);
+    tracked_device->raise_out_of_memory();
+    return nullptr;
+  }
 }
 
 void rtcRetainScene(RTCScene scene) {

@@ -3,6 +3,8 @@
 #include <tbb/task_arena.h>
 
 #include <atomic>
+#include <new>
+#include <utility>
 
 #include "plugin/preload/real_embree.h"
 #include "plugin/preload/statistics.h"
@@ -120,7 +122,7 @@ RTCScene NativeTwin::scene_to_ask(TrackedScene& scene) {
   Origin origin;
   collect_origin(scene, origin);
   if (twin_ != nullptr && origin == origin_) return twin_;
-  if (twin_ != nullptr) real().rtcReleaseScene(twin_);
+  if (twin_ != nullptr) real().rtcReleaseScene(std::exchange(twin_, nullptr));
   // Isolated: a thread that waits for its build must not pick up a query that waits for this lock.
   twin_ = tbb::this_task_arena::isolate([&] { return make(scene); });
   origin_ = std::move(origin);
@@ -137,8 +139,13 @@ RTCScene scene_to_ask(RTCScene scene) {
   const std::uint64_t epoch = scenes_epoch.load(std::memory_order_acquire);
   if (last.scene == scene && last.epoch == epoch) return last.to_ask;
   const auto tracked = scenes().find(scene);
-  last = {scene, epoch, tracked == nullptr ? scene : tracked->twin().scene_to_ask(*tracked)};
-  return last.to_ask;
+  try {
+    last = {scene, epoch, tracked == nullptr ? scene : tracked->twin().scene_to_ask(*tracked)};
+    return last.to_ask;
+  } catch (const std::bad_alloc&) {
+    tracked->device()->raise_out_of_memory();
+    return scene;
+  }
 }
 
 void scenes_changed() {

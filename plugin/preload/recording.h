@@ -1,6 +1,8 @@
 /// Setters: first Embree's, then, if that took it, our record of it.
 #pragma once
 
+#include <new>
+
 #include "plugin/preload/tracked_device.h"
 #include "plugin/preload/tracked_geometry.h"
 
@@ -14,8 +16,13 @@ void set_and_record(RTCGeometry geometry, Native&& native, Record&& record) {
   if (watch.failed()) return;
   const auto tracked = geometries().find(geometry);
   if (tracked == nullptr) return;
-  record(*tracked);
   tracked->modified();
+  try {
+    record(*tracked);
+  } catch (const std::bad_alloc&) {
+    tracked->is_known = false;
+    if (const auto device = find_device(tracked->device)) device->raise_out_of_memory();
+  }
 }
 
 /// For what we need not know in detail.

@@ -1,5 +1,6 @@
 /// Commits: what is taken over, and when Embree has anything to do.
 #include <cstdio>
+#include <exception>
 #include <new>
 #include <stdexcept>
 
@@ -19,9 +20,10 @@ bool refuse(void*, double) {
 }
 
 /// A commit that failed, as the application will hear of it.
-struct CommitError : std::runtime_error {
-  CommitError(RTCError error, const char* message) : std::runtime_error(message), code(error) {}
+struct CommitError {
   RTCError code;
+  const char* message;
+  std::exception_ptr cause = std::current_exception();  ///< to whom the message may belong
 };
 
 }  // namespace
@@ -135,11 +137,11 @@ TrackedScene::Next TrackedScene::prepare(CommitTurns::Turn& turn) {
     for (const Member& member : plan.members) member.mesh->too_large = true;
     return prepare(turn);
   } catch (const BuildCancelled&) {
-    throw CommitError(RTC_ERROR_CANCELLED, "progress monitor forced termination");
+    throw CommitError{RTC_ERROR_CANCELLED, "progress monitor forced termination"};
   } catch (const std::bad_alloc&) {
-    throw CommitError(RTC_ERROR_OUT_OF_MEMORY, "no memory, or the memory monitor forced termination");
+    throw CommitError{RTC_ERROR_OUT_OF_MEMORY, "no memory, or the memory monitor forced termination"};
   } catch (const std::exception& error) {
-    throw CommitError(RTC_ERROR_UNKNOWN, error.what());
+    throw CommitError{RTC_ERROR_UNKNOWN, error.what()};
   }
 }
 
@@ -181,7 +183,7 @@ void TrackedScene::commit(bool join) {
     }
     if (next == Next::kForward) forward(join);
   } catch (const CommitError& error) {
-    device_->raise(error.code, error.what());
+    device_->raise(error.code, error.message);
   }
 }
 

@@ -1,13 +1,13 @@
 #include "plugin/preload/tracked_device.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
+#include <new>
 #include <string>
 #include <string_view>
 #include <unordered_map>
-#include <utility>
-#include <vector>
 
 #include "plugin/preload/real_embree.h"
 #include "plugin/preload/version.h"
@@ -15,8 +15,16 @@
 namespace stbvh::preload {
 namespace {
 
+/// Of this many devices: an error "out of memory" must not want memory.
+constexpr std::size_t kMostPending = 16;
+
+struct PendingError {
+  std::uint64_t device = 0;  ///< TrackedDevice::serial()
+  RTCError code = RTC_ERROR_NONE;
+};
+
 struct ThreadErrors {
-  std::vector<std::pair<std::uint64_t, RTCError>> pending;  ///< by TrackedDevice::serial()
+  std::array<PendingError, kMostPending> pending;  ///< the latest in front, RTC_ERROR_NONE behind the last
   unsigned reported = 0;
   unsigned muted = 0;
 };
@@ -34,11 +42,28 @@ Devices& devices() {
   return *kDevices;
 }
 
-void keep_pending(const TrackedDevice& device, RTCError code) {
+PendingError* find_pending(std::uint64_t device) {
   auto& pending = thread_errors.pending;
-  const bool has_one = std::any_of(pending.begin(), pending.end(),
-                                   [&](const auto& entry) { return entry.first == device.serial(); });
-  if (!has_one) pending.emplace_back(device.serial(), code);
+  const auto found = std::find_if(pending.begin(), pending.end(), [&](const PendingError& entry) {
+    return entry.code != RTC_ERROR_NONE && entry.device == device;
+  });
+  return found == pending.end() ? nullptr : &*found;
+}
+
+void keep_pending(const TrackedDevice& device, RTCError code) {
+  if (find_pending(device.serial()) != nullptr) return;
+  auto& pending = thread_errors.pending;
+  std::move_backward(pending.begin(), pending.end() - 1, pending.end());
+  pending[0] = {device.serial(), code};
+}
+
+/// Embree's own error of this thread, taken away. It takes memory for a thread's first, and throws without.
+RTCError take_native_error(RTCDevice device) {
+  try {
+    return real().rtcGetDeviceError(device);
+  } catch (const std::bad_alloc&) {
+    return RTC_ERROR_NONE;
+  }
 }
 
 bool hits_as_we_do(RTCDevice device) {
@@ -79,7 +104,7 @@ void TrackedDevice::tell(RTCError code, const char* message) {
 
 void TrackedDevice::raise(RTCError code, const char* message) {
   tell(code, message);
-  const RTCError earlier = real().rtcGetDeviceError(handle_);
+  const RTCError earlier = take_native_error(handle_);
   keep_pending(*this, earlier != RTC_ERROR_NONE ? earlier : code);
 }
 
@@ -121,21 +146,22 @@ int thread_limit_of(const char* config) {
 
 void track_device(RTCDevice handle, const char* config) {
   auto device = std::make_shared<TrackedDevice>(handle, thread_limit_of(config));
+  {
+    const std::lock_guard lock(devices().mutex);
+    devices().by_handle[handle] = device;
+  }
   real().rtcSetDeviceErrorFunction(handle, TrackedDevice::on_error, device.get());
-  const std::lock_guard lock(devices().mutex);
-  devices().by_handle[handle] = std::move(device);
 }
 
 RTCError take_pending_error(RTCDevice handle) {
   auto& pending = thread_errors.pending;
-  if (pending.empty()) return RTC_ERROR_NONE;
+  if (pending[0].code == RTC_ERROR_NONE) return RTC_ERROR_NONE;
   const auto device = find_device(handle);
-  if (device == nullptr) return RTC_ERROR_NONE;
-  const auto found = std::find_if(pending.begin(), pending.end(),
-                                  [&](const auto& entry) { return entry.first == device->serial(); });
-  if (found == pending.end()) return RTC_ERROR_NONE;
-  const RTCError code = found->second;
-  pending.erase(found);
+  PendingError* const found = device == nullptr ? nullptr : find_pending(device->serial());
+  if (found == nullptr) return RTC_ERROR_NONE;
+  const RTCError code = found->code;
+  std::move(found + 1, pending.data() + pending.size(), found);
+  pending.back() = {};
   return code;
 }
 
@@ -145,14 +171,13 @@ bool ErrorWatch::failed() const {
   return thread_errors.reported != seen_;
 }
 
-Muted::Muted(const TrackedDevice& device)
-    : device_(device), earlier_(real().rtcGetDeviceError(device.handle())) {
+Muted::Muted(const TrackedDevice& device) : device_(device), earlier_(take_native_error(device.handle())) {
   ++thread_errors.muted;
 }
 
 Muted::~Muted() {
   --thread_errors.muted;
-  real().rtcGetDeviceError(device_.handle());  // takes away what was left behind
+  take_native_error(device_.handle());
   if (earlier_ != RTC_ERROR_NONE) keep_pending(device_, earlier_);
 }
 

@@ -31,6 +31,7 @@ class TrackedDevice {
   /// Reports an error of ours as Embree does its own: to the error function, and to rtcGetDeviceError of this
   /// thread, which keeps the first.
   void raise(RTCError code, const char* message);
+  void raise_out_of_memory() { raise(RTC_ERROR_OUT_OF_MEMORY, "out of memory"); }
 
   /// Asks the memory monitor for `bytes` (negative: gives them back). False if it refuses; the application
   /// does not count them then.

@@ -1,10 +1,11 @@
 #include "plugin/preload/tracked_geometry.h"
 
-#include <algorithm>
-#include <cmath>
+#include <array>
+#include <span>
 
 #include "plugin/preload/environment.h"
 #include "plugin/preload/real_embree.h"
+#include "stbvh/mesh_view.h"
 
 namespace stbvh::preload {
 namespace {
@@ -25,11 +26,13 @@ const char* describe(StaysNative reason) {
     case StaysNative::kUncommitted:
       return "changed and not committed";
     case StaysNative::kBuffers:
-      return "buffers missing or not alike";
+      return "buffers missing, not alike or not readable";
     case StaysNative::kTimeRange:
-      return "time range empty or not finite";
+      return "time range empty, next to empty or not finite";
     case StaysNative::kTooLarge:
       return "too large";
+    case StaysNative::kNoMemory:
+      return "no memory to follow it";
     case StaysNative::kDevice:
       return "Embree without ray masks or filters, or with backface culling";
   }
@@ -81,12 +84,10 @@ bool TrackedGeometry::is_taken_over() {
 StaysNative TrackedGeometry::why_native() const {
   if (step_count < 2 && !environment().all_triangles) return StaysNative::kOneStep;
   if (!committed) return StaysNative::kUncommitted;
+  if (!is_known) return StaysNative::kNoMemory;
   if (too_large) return StaysNative::kTooLarge;
-  const bool has_times = std::isfinite(time_range.begin) && std::isfinite(time_range.end) &&
-                         time_range.begin < time_range.end &&
-                         std::isfinite(time_range.end - time_range.begin);
-  if (!has_times) return StaysNative::kTimeRange;
-  return has_buffers() ? StaysNative::kNone : StaysNative::kBuffers;
+  if (!is_usable(time_range)) return StaysNative::kTimeRange;
+  return has_buffers() && can_be_built() ? StaysNative::kNone : StaysNative::kBuffers;
 }
 
 bool TrackedGeometry::has_buffers() const {
@@ -99,6 +100,22 @@ bool TrackedGeometry::has_buffers() const {
       return false;
   }
   return true;
+}
+
+/// One mesh that the build refuses would take all others of the scene with it.
+bool TrackedGeometry::can_be_built() const {
+  if (step_count > kMaxSteps) return false;
+  std::array<VertexBufferView, kMaxSteps> steps;
+  for (unsigned step = 0; step < step_count; ++step) {
+    steps[step] = {vertices[step].data, vertices[step].count, vertices[step].stride};
+  }
+  MeshView view;
+  view.indices = indices.data;
+  view.triangle_count = indices.count;
+  view.index_stride = indices.stride;
+  view.steps = std::span(steps).first(step_count);
+  view.time_range = time_range;
+  return problem_of(view) == nullptr;
 }
 
 }  // namespace stbvh::preload

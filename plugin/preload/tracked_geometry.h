@@ -34,8 +34,8 @@ struct InstanceTransform {
 };
 
 /// Why a triangle mesh stays with Embree; kNone: it does not.
-enum class StaysNative { kNone, kOneStep, kUncommitted, kBuffers, kTimeRange, kTooLarge, kDevice };
-inline constexpr std::size_t kStaysNativeCount = 7;
+enum class StaysNative { kNone, kOneStep, kUncommitted, kBuffers, kTimeRange, kTooLarge, kDevice, kNoMemory };
+inline constexpr std::size_t kStaysNativeCount = 8;
 
 /// In a few words, for statistics.
 const char* describe(StaysNative reason);
@@ -84,6 +84,7 @@ class TrackedGeometry {
   bool enabled = true;
   bool committed = false;
   bool too_large = false;     ///< found out by a build: never again
+  bool is_known = true;       ///< false: there was no memory to record a setter
   std::uint64_t version = 0;  ///< next_version() at each change
 
   /// For statistics: what this mesh was counted for, bit 0: taken over, bit i: reason i.
@@ -91,6 +92,7 @@ class TrackedGeometry {
 
  private:
   bool has_buffers() const;
+  bool can_be_built() const;
 
   std::mutex mutex_;
   bool natively_enabled_ = true;

@@ -1,5 +1,7 @@
 #include "plugin/preload/tracked_scene.h"
 
+#include <new>
+
 #include "plugin/preload/real_embree.h"
 
 namespace stbvh::preload {
@@ -40,49 +42,79 @@ void TrackedScene::withdraw_proxy() {
   proxy_id_.reset();
 }
 
+/// Whether Embree took it: it may have no memory.
+bool TrackedScene::attach_proxy_as(unsigned geom_id) {
+  const ErrorWatch watch;
+  real().rtcAttachGeometryByID(handle_, group_->proxy(), geom_id);
+  if (!watch.failed()) proxy_id_ = geom_id;
+  return !watch.failed();
+}
+
+/// Throws std::bad_alloc.
 void TrackedScene::attach_proxy() {
   if (proxy_id_) return;
   // So far above that what the application attaches next gets the IDs that it would get without us.
   constexpr unsigned kSpareIds = 64;
   const unsigned proxy_id = (attachments_.empty() ? 0 : attachments_.rbegin()->first + 1) + kSpareIds;
-  real().rtcAttachGeometryByID(handle_, group_->proxy(), proxy_id);
-  proxy_id_ = proxy_id;
+  if (!attach_proxy_as(proxy_id)) throw std::bad_alloc();
 }
 
 /// Runs `change` on Embree's scene, without the proxy if its ID may be needed, so that IDs and errors are
 /// those of Embree. Where `change` failed (false) all stays as it was: the application may go on tracing
 /// rays.
-void TrackedScene::edit(bool needs_proxys_id, const std::function<bool()>& change) {
+template <typename Change>
+void TrackedScene::edit(bool needs_proxys_id, Change&& change) {
   const std::optional<unsigned> proxy_id = proxy_id_;
   if (needs_proxys_id) withdraw_proxy();
   if (change()) {
     edits_ = next_version();
   } else if (proxy_id && !proxy_id_) {
-    real().rtcAttachGeometryByID(handle_, group_->proxy(), *proxy_id);
-    proxy_id_ = proxy_id;
+    attach_proxy_as(*proxy_id);
   }
+}
+
+/// What attachments_ will hold, made before Embree is told; empty, and the error raised, without memory.
+Attachments::node_type TrackedScene::new_attachment(RTCGeometry geometry) {
+  try {
+    Attachments one;
+    one[0] = {geometry, geometries().find(geometry)};
+    return one.extract(one.begin());
+  } catch (const std::bad_alloc&) {
+    device_->raise_out_of_memory();
+    return {};
+  }
+}
+
+void TrackedScene::enter(Attachments::node_type attachment, unsigned geom_id) {
+  attachments_.erase(geom_id);
+  attachment.key() = geom_id;
+  attachments_.insert(std::move(attachment));
 }
 
 unsigned TrackedScene::attach(RTCGeometry geometry) {
   unsigned geom_id = RTC_INVALID_GEOMETRY_ID;
+  Attachments::node_type attachment = new_attachment(geometry);
+  if (attachment.empty()) return geom_id;
   const std::lock_guard lock(mutex_);
   // Embree gives the lowest free ID.
   edit(proxy_id_ == attachments_.size(), [&] {
     geom_id = real().rtcAttachGeometry(handle_, geometry);
     if (geom_id == RTC_INVALID_GEOMETRY_ID) return false;
-    attachments_[geom_id] = {geometry, geometries().find(geometry)};
+    enter(std::move(attachment), geom_id);
     return true;
   });
   return geom_id;
 }
 
 void TrackedScene::attach_by_id(RTCGeometry geometry, unsigned geom_id) {
+  Attachments::node_type attachment = new_attachment(geometry);
+  if (attachment.empty()) return;
   const std::lock_guard lock(mutex_);
   edit(proxy_id_ == geom_id, [&] {
     const ErrorWatch watch;
     real().rtcAttachGeometryByID(handle_, geometry, geom_id);
     if (watch.failed() || geometry == nullptr) return false;
-    attachments_[geom_id] = {geometry, geometries().find(geometry)};
+    enter(std::move(attachment), geom_id);
     return true;
   });
 }

@@ -3,7 +3,6 @@
 
 #include <embree3/rtcore.h>
 
-#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -78,7 +77,11 @@ class TrackedScene {
   void cancel_embrees_build();
   void forward(bool join);
   void set_own_share(double share);
-  void edit(bool needs_proxys_id, const std::function<bool()>& change);
+  Attachments::node_type new_attachment(RTCGeometry geometry);
+  void enter(Attachments::node_type attachment, unsigned geom_id);
+  template <typename Change>
+  void edit(bool needs_proxys_id, Change&& change);
+  bool attach_proxy_as(unsigned geom_id);
   void attach_proxy();
   void withdraw_proxy();
   void say(const Plan& plan) const;

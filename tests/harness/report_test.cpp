@@ -4,7 +4,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "harness/files/output_file.h"
+#include "plugin/files/output_file.h"
 #include "harness/report/json.h"
 #include "harness/report/read_records.h"
 #include "harness/report/table.h"
@@ -72,51 +72,6 @@ TEST(Json, NamesThatAreNotUtf8StayReadable) {
   Report report = small_report();
   report.builds[0].scene = "\xff";
   EXPECT_TRUE(nlohmann::json::accept(to_json(report, Machine{}, "")));
-}
-
-class OutputFile : public TemporaryFolderTest {};
-
-TEST_F(OutputFile, AppearsWhole) {
-  const auto path = folder / "a.json";
-  check_writable(path);
-  EXPECT_FALSE(fs::exists(path));
-  write_file(path, "one");
-  write_file(path, "two");
-  EXPECT_EQ(read_file(path), "two");
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
-}
-
-TEST_F(OutputFile, LinksStayLinks) {
-  write_file(folder / "a.json", "one");
-  fs::create_symlink(folder / "a.json", folder / "link");
-  check_writable(folder / "link");
-  write_file(folder / "link", "two");
-  EXPECT_TRUE(fs::is_symlink(folder / "link"));
-  EXPECT_EQ(read_file(folder / "a.json"), "two");
-}
-
-TEST_F(OutputFile, FilesThatNeedEachOtherAppearTogether) {
-  const auto a = folder / "a.xml", b = folder / "b.bin";
-  const std::vector<FileContent> both{{a, {"one ", "", "two"}}, {b, {}}};
-  write_files(both);
-  EXPECT_EQ(read_file(a), "one two");
-  EXPECT_EQ(fs::file_size(b), 0u);
-  for (const fs::path& bad : {folder / "none" / "b.bin", fs::path("/dev/full")}) {
-    const std::vector<FileContent> one_fails{{a, {"new"}}, {bad, {"x"}}};
-    EXPECT_THROW(write_files(one_fails), OutputFileError);
-    EXPECT_EQ(read_file(a), "one two");
-  }
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2);
-}
-
-TEST_F(OutputFile, UnwritablePlacesAreRefused) {
-  EXPECT_THROW(check_writable(folder / "none" / "a.json"), OutputFileError);
-  EXPECT_THROW(check_writable(folder), OutputFileError);
-  EXPECT_THROW(check_writable(folder / ""), OutputFileError);
-  EXPECT_THROW(write_file(folder / "none" / "a.json", "x"), OutputFileError);
-  EXPECT_THROW(write_file("/dev/full", "x"), OutputFileError);
-  EXPECT_NO_THROW(write_file("/dev/null", "x"));
-  EXPECT_FALSE(fs::is_regular_file("/dev/null"));
 }
 
 TEST(Spread, MedianOfOddAndEvenCounts) {

@@ -110,11 +110,16 @@ TEST(Builder, UnreadableMeshesAreRefused) {
   const auto expect_refused = [&](auto change) {
     MeshView view = mesh.view();
     change(view);
+    EXPECT_NE(problem_of(view), nullptr);
     EXPECT_THROW(Structure::build({&view, 1}), InvalidMesh);
   };
   expect_refused([](MeshView& v) { v.steps = {}; });
   expect_refused([](MeshView& v) { v.indices = nullptr; });
   expect_refused([](MeshView& v) { v.index_stride = 4; });
+  constexpr auto kBack = static_cast<std::size_t>(-12);
+  expect_refused([](MeshView& v) { v.index_stride = kBack; });
+  expect_refused([](MeshView& v) { v.index_stride = std::size_t{1} << 62; });
+  expect_refused([](MeshView& v) { v.indices = reinterpret_cast<const void*>(~std::uintptr_t{15}); });
   expect_refused([](MeshView& v) { v.time_range = {0.5f, 0.5f}; });
   expect_refused([](MeshView& v) { v.time_range = {1.0f, 0.0f}; });
   expect_refused([](MeshView& v) { v.time_range = {std::numeric_limits<float>::quiet_NaN(), 1.0f}; });
@@ -125,8 +130,10 @@ TEST(Builder, UnreadableMeshesAreRefused) {
   expect_refused([&](MeshView& v) { v.steps = steps; });
   steps[1] = {mesh.steps[0].data, 3, 12};
   expect_refused([&](MeshView& v) { v.steps = steps; });
-  steps[1] = {mesh.steps[0].data, 30, 8};
-  expect_refused([&](MeshView& v) { v.steps = steps; });
+  for (const std::size_t stride : {std::size_t{8}, kBack, std::size_t{1} << 60}) {
+    steps[1] = {mesh.steps[0].data, 30, stride};
+    expect_refused([&](MeshView& v) { v.steps = steps; });
+  }
 }
 
 TEST(Builder, EmptyInputsHitNothing) {

@@ -1,4 +1,5 @@
 // Bad arguments: one clear sentence, nothing changed, no crash.
+#include <cmath>
 #include <cstring>
 #include <functional>
 #include <limits>
@@ -53,6 +54,72 @@ TEST_F(PluginArguments, OfMeshes) {
   expect_refused([](auto& a) { a.startTime = -3e38f, a.endTime = 3e38f; }, "too long");
   expect_refused([](auto& a) { a.vertexCount = std::size_t{1} << 33; }, "32 bits");
   expect_refused([](auto& a) { a.triangleCount = std::size_t{1} << 33; }, "32 bits");
+}
+
+/// Before anything is read through them.
+TEST_F(PluginArguments, ThatReachBeyondMemory) {
+  constexpr std::size_t kBack = static_cast<std::size_t>(-12);
+  constexpr std::size_t kHalf = std::size_t{1} << 62;
+  expect_refused([](auto& a) { a.indexByteStride = kBack; },
+                 "indexByteStride must be a multiple of 4 from 12");
+  expect_refused([](auto& a) { a.vertexByteStride = kBack; }, "vertexByteStride must be");
+  const std::size_t strides[3] = {12, kBack, 12};
+  expect_refused([&](auto& a) { a.vertexByteStrides = strides; }, "vertexByteStrides[1] must be");
+  expect_refused([](auto& a) { a.indexByteStride = kHalf, a.triangleCount = 5; },
+                 "indices that reach beyond");
+  expect_refused([](auto& a) { a.vertexByteStride = kHalf; }, "vertices that reach beyond");
+  expect_refused([](auto& a) { a.vertexByteStride = kHalf, a.vertexCount = 5; },
+                 "vertices that reach beyond");
+  const void* const last = reinterpret_cast<const void*>(~std::uintptr_t{7});
+  expect_refused([=](auto& a) { a.indices = last; }, "indices that reach beyond");
+  expect_refused([=, this](auto&) { pointers_[2] = last; }, "vertices that reach beyond");
+}
+
+TEST_F(PluginArguments, ThatAreMisalignedArrays) {
+  const auto shifted = [](auto* array) {
+    return reinterpret_cast<decltype(array)>(reinterpret_cast<std::uintptr_t>(array) + 4);
+  };
+  const std::size_t strides[4] = {12, 12, 12, 12};
+  expect_refused([&](auto& a) { a.vertices = shifted(a.vertices); }, "vertices must be aligned to 8 bytes");
+  expect_refused([&](auto& a) { a.vertexByteStrides = shifted(strides); },
+                 "vertexByteStrides must be aligned to 8 bytes");
+}
+
+/// A time range that a commit could not divide up: the meshes that are there already stay.
+TEST_F(PluginArguments, TimeRangesNextToEmpty) {
+  constexpr float kLeast = std::numeric_limits<float>::min();
+  expect_refused([](auto& a) { a.endTime = 1e-39f; }, "time range");
+  expect_refused([](auto& a) { a.startTime = -1e-39f, a.endTime = 1e-39f; }, "time range");
+  expect_refused([](auto& a) { a.startTime = kLeast, a.endTime = 1.5f * kLeast; }, "time range");
+  StbvhMeshArguments arguments = arguments_of(mesh_, pointers_);
+  ASSERT_EQ(stbvhAddMesh(geometry_.get(), &arguments, nullptr), RTC_ERROR_NONE);
+  StbvhMeshArguments narrow = arguments;
+  narrow.endTime = 1e-39f;
+  EXPECT_EQ(stbvhAddMesh(geometry_.get(), &narrow, nullptr), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(stbvhSetMesh(geometry_.get(), 0, &narrow), RTC_ERROR_INVALID_ARGUMENT);
+  // Of one step it does not matter, and the narrowest is built.
+  narrow.stepCount = 1;
+  EXPECT_EQ(stbvhAddMesh(geometry_.get(), &narrow, nullptr), RTC_ERROR_NONE);
+  narrow.stepCount = 3;
+  narrow.endTime = kLeast;
+  EXPECT_EQ(stbvhAddMesh(geometry_.get(), &narrow, nullptr), RTC_ERROR_NONE);
+  narrow.startTime = std::nextafter(1.0f, 0.0f), narrow.endTime = 1;
+  EXPECT_EQ(stbvhAddMesh(geometry_.get(), &narrow, nullptr), RTC_ERROR_NONE);
+  ASSERT_EQ(stbvhCommitGeometry(geometry_.get()), RTC_ERROR_NONE) << stbvhGetErrorMessage(geometry_.get());
+  const Scene scene = new_scene(device_);
+  rtcAttachGeometryByID(scene.get(), stbvhGetGeometry(geometry_.get()), 0);
+  rtcCommitScene(scene.get());
+  EXPECT_EQ(intersect(scene.get(), ray_down(.1f, .1f, .5f)).hit.geomID, 0u);
+  EXPECT_EQ(rtcGetDeviceError(device_.get()), RTC_ERROR_NONE);
+}
+
+TEST_F(PluginArguments, PrecisionThatIsNotListed) {
+  for (const unsigned value : {2u, 7u, ~0u}) {
+    EXPECT_EQ(stbvhSetGeometryPrecision(geometry_.get(), static_cast<StbvhPrecision>(value)),
+              RTC_ERROR_INVALID_ARGUMENT);
+    EXPECT_STREQ(stbvhGetErrorMessage(geometry_.get()), "precision is not one of enum StbvhPrecision");
+  }
+  EXPECT_EQ(stbvhSetGeometryPrecision(geometry_.get(), STBVH_PRECISION_FAST), RTC_ERROR_NONE);
 }
 
 TEST_F(PluginArguments, Null) {
@@ -146,13 +213,73 @@ TEST_F(PluginArguments, MeshesOfInvalidTrianglesAreAnEmptyGeometry) {
   expect_no_hits(device_, geometry_);
 }
 
-TEST_F(PluginArguments, AnUncommittedGeometryIsEmpty) {
+/// Of Embree, when it commits a scene.
+struct SceneErrors {
+  static void keep(void* self, RTCError code, const char* message) {
+    static_cast<SceneErrors*>(self)->seen.emplace_back(code, message);
+  }
+  explicit SceneErrors(const Device& own_device) : device(own_device) {
+    rtcSetDeviceErrorFunction(device.get(), keep, this);
+  }
+
+  std::vector<std::pair<RTCError, std::string>> of_commit(const Scene& scene) {
+    seen.clear();
+    rtcCommitScene(scene.get());
+    rtcGetDeviceError(device.get());
+    return seen;
+  }
+
+  const Device& device;
+  std::vector<std::pair<RTCError, std::string>> seen;
+};
+
+/// Whatever is not committed, Embree says of ours what it says of its own.
+TEST_F(PluginArguments, EmbreeRefusesScenesWithAGeometryThatIsNotCommitted) {
+  SceneErrors errors(device_);
+  const Scene native = new_scene(device_), own = new_scene(device_);
+  const NativeGeometry triangles(rtcNewGeometry(device_.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
+  rtcAttachGeometry(native.get(), triangles.get());
+  rtcAttachGeometry(own.get(), stbvhGetGeometry(geometry_.get()));
+  const auto refusal = errors.of_commit(native);
+  ASSERT_FALSE(refusal.empty());
+  EXPECT_EQ(refusal[0].first, RTC_ERROR_INVALID_OPERATION);
+  EXPECT_EQ(errors.of_commit(own), refusal);  // without a mesh
   StbvhMeshArguments arguments = arguments_of(mesh_, pointers_);
   ASSERT_EQ(stbvhAddMesh(geometry_.get(), &arguments, nullptr), RTC_ERROR_NONE);
+  EXPECT_EQ(errors.of_commit(own), refusal);
+  ASSERT_EQ(stbvhCommitGeometry(geometry_.get()), RTC_ERROR_NONE);
+  EXPECT_TRUE(errors.of_commit(own).empty());
+  EXPECT_NE(intersect(own.get(), ray_down(.1f, .1f, .5f)).hit.geomID, RTC_INVALID_GEOMETRY_ID);
+}
+
+TEST_F(PluginArguments, EmbreeRefusesScenesWithAGeometryThatChangedSince) {
+  SceneErrors errors(device_);
   const Scene scene = new_scene(device_);
   rtcAttachGeometry(scene.get(), stbvhGetGeometry(geometry_.get()));
-  rtcCommitScene(scene.get());
-  EXPECT_EQ(intersect(scene.get(), ray_down(.1f, .1f, .5f)).hit.geomID, RTC_INVALID_GEOMETRY_ID);
+  StbvhMeshArguments arguments = arguments_of(mesh_, pointers_);
+  const StbvhGeometry g = geometry_.get();
+  const std::function<RTCError()> changes[] = {
+      [&] { return stbvhAddMesh(g, &arguments, nullptr); },
+      [&] { return stbvhSetMesh(g, 0, &arguments); },
+      [&] { return stbvhSetGeometryPrecision(g, STBVH_PRECISION_FAST); },
+      [&] { return stbvhSetGeometryInlineShare(g, 0.5f); },
+  };
+  for (const auto& change : changes) {
+    ASSERT_EQ(stbvhCommitGeometry(g), RTC_ERROR_NONE);
+    EXPECT_TRUE(errors.of_commit(scene).empty());
+    ASSERT_EQ(change(), RTC_ERROR_NONE);
+    const auto refusal = errors.of_commit(scene);
+    ASSERT_FALSE(refusal.empty());
+    EXPECT_EQ(refusal[0].first, RTC_ERROR_INVALID_OPERATION);
+    EXPECT_EQ(intersect(scene.get(), ray_down(.1f, .1f, .5f)).hit.geomID, RTC_INVALID_GEOMETRY_ID);
+  }
+  // What is refused changes nothing.
+  ASSERT_EQ(stbvhCommitGeometry(g), RTC_ERROR_NONE);
+  arguments.stepCount = 0;
+  ASSERT_NE(stbvhAddMesh(g, &arguments, nullptr), RTC_ERROR_NONE);
+  ASSERT_NE(stbvhSetMesh(g, 0, &arguments), RTC_ERROR_NONE);
+  EXPECT_TRUE(errors.of_commit(scene).empty());
+  EXPECT_NE(intersect(scene.get(), ray_down(.1f, .1f, .5f)).hit.geomID, RTC_INVALID_GEOMETRY_ID);
 }
 
 }  // namespace

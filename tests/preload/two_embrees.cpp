@@ -30,10 +30,9 @@ const Embree& ours() {
 
 const Embree& native() {
   static const Embree kNative = [] {
-    void* const library = dlopen("libembree3.so.3", RTLD_LAZY | RTLD_NOLOAD);
     Embree embree;
-#define STBVH_FUNCTION(name)                                                \
-  embree.name = reinterpret_cast<decltype(&::name)>(dlsym(library, #name)); \
+#define STBVH_FUNCTION(name)                                                  \
+  embree.name = reinterpret_cast<decltype(&::name)>(dlsym(RTLD_NEXT, #name)); \
   if (embree.name == nullptr) std::abort();
 #include "tests/preload/embree_functions.inl"
 #undef STBVH_FUNCTION

@@ -1,7 +1,7 @@
 /// The same scene twice: through the preload library, and in Embree alone.
 ///
 /// The tests have the preload library's functions in the program itself, so that they come before Embree's,
-/// as under LD_PRELOAD; Embree's own are looked up in libembree3. Functions that trace rays are Embree's in
+/// as under LD_PRELOAD; Embree's own are looked up behind them. Functions that trace rays are Embree's in
 /// both.
 #pragma once
 

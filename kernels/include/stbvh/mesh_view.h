@@ -37,4 +37,12 @@ struct MeshView {
   std::uint32_t geom_id = 0;         ///< reported in hits
 };
 
+/// Whether a mesh can move over `range`: it is finite, and its length a normal float (1.18e-38) or more,
+/// where denormal ends count as 0.
+bool is_usable(const TimeRange& range);
+
+/// What keeps a mesh from being built, in a few words behind its name ("has no steps"); null: nothing. No
+/// buffer is read.
+const char* problem_of(const MeshView& mesh);
+
 }  // namespace stbvh

@@ -19,6 +19,10 @@
  * (stbvhGetErrorMessage). No function aborts or throws on bad input. Where Embree itself refuses memory, the
  * device's error is set as well.
  *
+ * Commits. As with Embree's own geometries, rtcCommitScene fails with RTC_ERROR_INVALID_OPERATION while a
+ * scene holds a geometry that has not been committed yet, or not since a mesh was added or set, or the
+ * precision or the inline share.
+ *
  * Lifetime. Embree 3 does not tell anybody that a user geometry has died, so the handle owns the tree:
  *   - Keep a reference to the StbvhGeometry for as long as rays shall hit it.
  *   - The RTCGeometry may outlive the handle, for instance in a scene that is released later. From the last
@@ -85,8 +89,9 @@ struct StbvhMeshArguments {
   unsigned int stepCount; /**< 1 (static; default) to STBVH_MAX_STEP_COUNT, equidistant in the time range */
 
   float startTime; /**< ray time of the first step; default 0 */
-  float endTime; /**< ray time of the last step, > startTime; default 1. A mesh with several steps is not hit
-                      outside [startTime, endTime]; a static one is hit at all times, as in Embree. */
+  float endTime;   /**< ray time of the last step, > startTime, with several steps by 1.18e-38 or more where
+                        denormal times count as 0; default 1. A mesh with several steps is not hit outside
+                        [startTime, endTime]; a static one is hit at all times, as in Embree. */
 
   unsigned int mask;   /**< hit by rays with (ray.mask & mask) != 0; default 0xFFFFFFFF */
   unsigned int geomID; /**< reported in hits; RTC_INVALID_GEOMETRY_ID (default): the ID under which the
@@ -141,8 +146,10 @@ STBVH_API void stbvhReleaseGeometry(StbvhGeometry geometry);
 /**
  * Adds a mesh; it takes effect at the next commit. Its index (0, 1, 2, ... in the order of the calls) is
  * stored to `meshIndex` unless that is null. RTC_ERROR_INVALID_ARGUMENT, and nothing added: arguments null,
- * not initialised or from a newer header; no steps or more than STBVH_MAX_STEP_COUNT; a buffer missing or
- * misaligned; a stride too small or misaligned; times not finite or startTime >= endTime.
+ * not initialised or from a newer header; no steps or more than STBVH_MAX_STEP_COUNT; a buffer or array
+ * missing or misaligned; a stride too small or misaligned; counts and strides that reach beyond the end of
+ * memory; times not finite, startTime >= endTime, or with several steps next to nothing between them. Nothing
+ * that is added is refused by the commit.
  */
 STBVH_API enum RTCError stbvhAddMesh(StbvhGeometry geometry, const struct StbvhMeshArguments* arguments,
                                      unsigned int* meshIndex);
@@ -166,7 +173,12 @@ STBVH_API enum RTCError stbvhGetMesh(StbvhGeometry geometry, unsigned int meshIn
 STBVH_API unsigned int stbvhGetMeshCount(StbvhGeometry geometry);
 
 /** How rays are tested against boxes and triangles. */
-enum StbvhPrecision {
+#ifdef __cplusplus
+enum StbvhPrecision : unsigned int  // so that any value may be given, to be refused
+#else
+enum StbvhPrecision
+#endif
+{
   /** No ray slips through an edge or a vertex that triangles of a mesh share, at any scale; the default. */
   STBVH_PRECISION_WATERTIGHT = 0,
   /** As Embree's own triangles without RTC_SCENE_FLAG_ROBUST: a little faster (docs/results.md), less exact.

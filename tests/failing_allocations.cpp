@@ -1,0 +1,92 @@
+#include "tests/failing_allocations.h"
+
+#include <atomic>
+#include <cstdlib>
+#include <limits>
+#include <new>
+
+namespace stbvh::test {
+namespace {
+
+constexpr long kNever = std::numeric_limits<long>::max();
+
+std::atomic<long> first_to_fail{kNever}, last_to_fail{kNever};
+std::atomic<long> calls{0};
+
+bool fails() {
+  const long number = calls.fetch_add(1, std::memory_order_relaxed);
+  return number >= first_to_fail.load(std::memory_order_relaxed) &&
+         number <= last_to_fail.load(std::memory_order_relaxed);
+}
+
+void* allocate(std::size_t bytes) noexcept {
+  return fails() ? nullptr : std::malloc(bytes == 0 ? 1 : bytes);
+}
+
+void* allocate(std::size_t bytes, std::align_val_t alignment) noexcept {
+  const auto align = static_cast<std::size_t>(alignment);
+  return fails() ? nullptr : std::aligned_alloc(align, (bytes + align - 1) / align * align);
+}
+
+void* or_throw(void* memory) {
+  if (memory == nullptr) throw std::bad_alloc();
+  return memory;
+}
+
+}  // namespace
+
+FailingAllocations::FailingAllocations(long number, Which which) {
+  calls = 0;
+  last_to_fail = which == Which::kOne ? number : kNever - 1;
+  first_to_fail = number;
+}
+
+FailingAllocations::~FailingAllocations() {
+  first_to_fail = kNever;
+}
+
+bool FailingAllocations::have_failed() const {
+  return calls > first_to_fail;
+}
+
+}  // namespace stbvh::test
+
+using stbvh::test::allocate;
+using stbvh::test::or_throw;
+
+void* operator new(std::size_t bytes) {
+  return or_throw(allocate(bytes));
+}
+void* operator new[](std::size_t bytes) {
+  return or_throw(allocate(bytes));
+}
+void* operator new(std::size_t bytes, std::align_val_t alignment) {
+  return or_throw(allocate(bytes, alignment));
+}
+void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
+  return allocate(bytes);
+}
+void* operator new[](std::size_t bytes, const std::nothrow_t&) noexcept {
+  return allocate(bytes);
+}
+void* operator new(std::size_t bytes, std::align_val_t alignment, const std::nothrow_t&) noexcept {
+  return allocate(bytes, alignment);
+}
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+void operator delete[](void* memory, std::size_t) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::align_val_t) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}

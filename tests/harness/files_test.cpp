@@ -1,0 +1,158 @@
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <thread>
+
+#include "harness/files/input_file.h"
+#include "plugin/files/output_file.h"
+#include "tests/harness/temporary_folder.h"
+
+namespace stbvh::harness {
+namespace {
+
+constexpr std::size_t kMost = 100;
+
+std::string refusal_of(const fs::path& path) {
+  try {
+    read_whole_file(path, kMost);
+  } catch (const InputFileError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+class InputFile : public TemporaryFolderTest {};
+
+TEST_F(InputFile, IsReadWhole) {
+  const std::string bytes("a\0b\xFF\r\n", 6);
+  EXPECT_EQ(read_whole_file(write("a.bin", bytes), kMost), bytes);
+  EXPECT_EQ(read_whole_file(write("empty", ""), 0), "");
+  fs::create_symlink(folder / "a.bin", folder / "link");
+  EXPECT_EQ(read_whole_file(folder / "link", kMost), bytes);
+}
+
+TEST_F(InputFile, ThatIsTooLargeIsRefusedByItsSize) {
+  const std::string bytes(kMost, 'x');
+  EXPECT_EQ(read_whole_file(write("fits", bytes), kMost), bytes);
+  EXPECT_EQ(refusal_of(write("larger", bytes + "x")), "has 101 bytes, but at most 100 are read");
+  fs::resize_file(write("sparse", ""), std::uintmax_t{100} << 30);
+  EXPECT_EQ(refusal_of(folder / "sparse"), "has 107374182400 bytes, but at most 100 are read");
+}
+
+TEST_F(InputFile, WhatIsNotAFileIsRefused) {
+  EXPECT_EQ(refusal_of(folder / "none"), "does not exist");
+  EXPECT_EQ(refusal_of(folder), "is not a regular file");
+  ASSERT_EQ(mkfifo(at("pipe").c_str(), 0600), 0);
+  EXPECT_EQ(refusal_of(folder / "pipe"), "is not a regular file");
+  fs::create_symlink(folder / "b", folder / "a");
+  fs::create_symlink(folder / "a", folder / "b");
+  EXPECT_EQ(refusal_of(folder / "a"), "cannot be read: Too many levels of symbolic links");
+}
+
+class OutputFile : public TemporaryFolderTest {};
+
+TEST_F(OutputFile, AppearsWhole) {
+  const auto path = folder / "a.json";
+  check_writable(path);
+  EXPECT_FALSE(fs::exists(path));
+  write_file(path, "one");
+  write_file(path, "two");
+  EXPECT_EQ(read_file(path), "two");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
+}
+
+TEST_F(OutputFile, LinksStayLinks) {
+  write_file(folder / "a.json", "one");
+  fs::create_symlink(folder / "a.json", folder / "link");
+  check_writable(folder / "link");
+  write_file(folder / "link", "two");
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(read_file(folder / "a.json"), "two");
+}
+
+TEST_F(OutputFile, FilesThatNeedEachOtherAppearTogether) {
+  const auto a = folder / "a.xml", b = folder / "b.bin";
+  const std::vector<FileContent> both{{a, {"one ", "", "two"}}, {b, {}}};
+  write_files(both);
+  EXPECT_EQ(read_file(a), "one two");
+  EXPECT_EQ(fs::file_size(b), 0u);
+  for (const fs::path& bad : {folder / "none" / "b.bin", fs::path("/dev/full")}) {
+    const std::vector<FileContent> one_fails{{a, {"new"}}, {bad, {"x"}}};
+    EXPECT_THROW(write_files(one_fails), OutputFileError);
+    EXPECT_EQ(read_file(a), "one two");
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2);
+}
+
+TEST_F(OutputFile, UnwritablePlacesAreRefused) {
+  EXPECT_THROW(check_writable(folder / "none" / "a.json"), OutputFileError);
+  EXPECT_THROW(check_writable(folder), OutputFileError);
+  EXPECT_THROW(check_writable(folder / ""), OutputFileError);
+  EXPECT_THROW(write_file(folder / "none" / "a.json", "x"), OutputFileError);
+  EXPECT_THROW(write_file("/dev/full", "x"), OutputFileError);
+  EXPECT_NO_THROW(write_file("/dev/null", "x"));
+  EXPECT_FALSE(fs::is_regular_file("/dev/null"));
+}
+
+TEST_F(OutputFile, LinksToWhatIsNotThereYetStayLinks) {
+  fs::create_directory(folder / "sub");
+  fs::create_symlink("sub/later.json", folder / "first");
+  fs::create_symlink(folder / "first", folder / "second");
+  check_writable(folder / "second");
+  EXPECT_FALSE(fs::exists(folder / "sub" / "later.json"));
+  write_file(folder / "second", "one");
+  EXPECT_EQ(read_file(folder / "sub" / "later.json"), "one");
+  EXPECT_TRUE(fs::is_symlink(folder / "first") && fs::is_symlink(folder / "second"));
+}
+
+TEST_F(OutputFile, ALoopOfLinksIsRefusedAndStays) {
+  fs::create_symlink(folder / "b", folder / "a");
+  fs::create_symlink(folder / "a", folder / "b");
+  EXPECT_THROW(check_writable(folder / "a"), OutputFileError);
+  EXPECT_THROW(write_file(folder / "a", "x"), OutputFileError);
+  EXPECT_TRUE(fs::is_symlink(folder / "a") && fs::is_symlink(folder / "b"));
+}
+
+/// One like /dev/null or /dev/full, of the test's own.
+TEST_F(OutputFile, DevicesStayDevicesAlsoBehindLinks) {
+  constexpr mode_t kMode = S_IFCHR | 0666;
+  if (mknod(at("null").c_str(), kMode, makedev(1, 3)) != 0 ||
+      mknod(at("full").c_str(), kMode, makedev(1, 7)) != 0) {
+    GTEST_SKIP() << "only root may make device nodes";
+  }
+  fs::create_symlink("null", folder / "link");
+  for (const char* const name : {"null", "link"}) {
+    check_writable(folder / name);
+    write_file(folder / name, "x");
+  }
+  EXPECT_THROW(write_file(folder / "full", "x"), OutputFileError);
+  EXPECT_TRUE(fs::is_character_file(folder / "null") && fs::is_character_file(folder / "full"));
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 3);
+}
+
+TEST_F(OutputFile, PipesAreWrittenTo) {
+  ASSERT_EQ(mkfifo(at("pipe").c_str(), 0600), 0);
+  std::string seen;
+  std::thread reader([&] { seen = read_file(folder / "pipe"); });
+  check_writable(folder / "pipe");  // the reader goes on waiting
+  write_file(folder / "pipe", "text");
+  reader.join();
+  EXPECT_EQ(seen, "text");
+  EXPECT_TRUE(fs::is_fifo(folder / "pipe"));
+}
+
+/// The reader goes away before all is written: more than a pipe holds.
+TEST_F(OutputFile, APipeThatNobodyReadsAnyMoreIsAnErrorAndNotTheEnd) {
+  ASSERT_EQ(mkfifo(at("pipe").c_str(), 0600), 0);
+  std::thread reader([&] { std::ifstream(folder / "pipe").get(); });
+  EXPECT_THROW(write_file(folder / "pipe", std::string(1 << 20, 'x')), OutputFileError);
+  reader.join();
+}
+
+}  // namespace
+}  // namespace stbvh::harness
