@@ -7,7 +7,7 @@
 namespace stbvh::harness::subdivision {
 namespace {
 
-/// OpenSubdiv counts in int, and the corners of a face and faces of a vertex in 16 bits.
+/// OpenSubdiv counts in int, and the corners of a face and edges of a vertex in 16 bits.
 constexpr std::size_t kMostVertices = std::numeric_limits<std::int32_t>::max();
 constexpr std::size_t kMostCorners = std::numeric_limits<std::uint16_t>::max();
 
@@ -37,6 +37,17 @@ void check_faces(const SubdivisionCage& cage, std::size_t vertex_count) {
   }
   if (first != cage.face_vertices.size()) {
     fail("the faces of the cage have {} corners, but {} are given", first, cage.face_vertices.size());
+  }
+}
+
+/// It looks for each of a vertex's edges among the others, so it would only refuse them after minutes.
+void check_valences(const SubdivisionCage& cage, std::size_t vertex_count) {
+  std::vector<std::size_t> faces(vertex_count, 0);
+  for (const std::uint32_t vertex : cage.face_vertices) ++faces[vertex];
+  const auto most = std::max_element(faces.begin(), faces.end());
+  if (*most > kMostCorners) {
+    fail("vertex {} of the cage has {} faces, but at most {} are possible", most - faces.begin(), *most,
+         kMostCorners);
   }
 }
 
@@ -90,6 +101,7 @@ void check_cage(const SubdivisionCage& cage) {
   check_steps(cage.steps);
   const std::size_t vertex_count = cage.steps.front().size();
   check_faces(cage, vertex_count);
+  check_valences(cage, vertex_count);
   check_creases(cage, vertex_count);
 }
 
