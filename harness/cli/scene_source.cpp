@@ -40,7 +40,9 @@ bool is_file_name(const std::string& name) {
 }
 
 SceneSource file_source(const std::string& name, const GltfOptions& gltf) {
-  if (!std::filesystem::exists(name)) throw UsageError(fmt::format("There is no file \"{}\".", name));
+  std::error_code unreachable;  // what else is wrong with it, its reader says
+  if (std::filesystem::status(name, unreachable).type() == std::filesystem::file_type::not_found)
+    throw UsageError(fmt::format("There is no file \"{}\".", name));
   const std::string stem = std::filesystem::path(name).stem().string();
   if (is_embree_file(name))
     return {stem, [=] { return checked(load_embree_xml(name, print_warning), stem); }};

@@ -14,4 +14,7 @@ struct SceneFileError : std::runtime_error {
 /// Most bytes of vertex buffers that one file may grow to: what the largest machine of the measurements has.
 inline constexpr std::size_t kMaxSceneFileBytes = std::size_t{24} << 30;
 
+/// Most bytes of a scene file that is text, which is read whole.
+inline constexpr std::size_t kMaxSceneTextBytes = std::size_t{4} << 30;
+
 }  // namespace stbvh::harness

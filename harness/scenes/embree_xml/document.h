@@ -21,8 +21,8 @@ class Document {
 
   /// The element <scene>.
   pugi::xml_node scene() const { return scene_; }
-  /// Line, from 1, of a place in the file.
-  std::size_t line_at(std::ptrdiff_t offset) const;
+  /// ", line 3" for a byte of the file; nothing where that is negative, or the text is not UTF-8.
+  std::string place(std::ptrdiff_t offset) const;
 
   /// The numbers in `array`: its text, or `size` elements of `per_element` 4-byte numbers each from byte
   /// `ofs` of the binary file. Nothing where `array` is not there. Throws Problem, also for half an element.
@@ -41,6 +41,7 @@ class Document {
 
   std::filesystem::path file_;
   std::string text_;
+  bool is_utf8_ = true;
   pugi::xml_document xml_;
   pugi::xml_node scene_;
   std::filesystem::path binary_path_;

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <fstream>
 #include <sstream>
 
+#include "harness/files/input_file.h"
 #include "harness/scenes/embree_xml/disc_light.h"
 #include "harness/scenes/embree_xml/numbers.h"
 
@@ -13,12 +13,9 @@ namespace stbvh::harness::embree_xml {
 namespace {
 
 std::deque<std::string> words_of(const std::filesystem::path& file) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) throw Problem("there is no such file");
-  std::ifstream stream(file);
-  if (!stream) throw Problem("it cannot be read");
+  std::istringstream lines(read_text_file(file, kMaxHandwrittenBytes));
   std::deque<std::string> words;
-  for (std::string line; std::getline(stream, line);) {
+  for (std::string line; std::getline(lines, line);) {
     line.resize(std::min(line.find('#'), line.size()));
     std::istringstream rest(line);
     for (std::string word; rest >> word;) words.push_back(word);

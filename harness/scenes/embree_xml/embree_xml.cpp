@@ -6,6 +6,7 @@
 #include <new>
 #include <set>
 
+#include "harness/files/input_file.h"
 #include "harness/scenes/embree_xml/ecs.h"
 #include "harness/scenes/embree_xml/node.h"
 #include "harness/scenes/embree_xml/problem.h"
@@ -82,6 +83,8 @@ Scene load_embree_xml(const std::filesystem::path& file, const SceneWarning& war
     return embree_xml::load(file, once);
   } catch (const embree_xml::Problem& problem) {
     throw SceneFileError(fmt::format("{}: {}", file.string(), problem.what()));
+  } catch (const InputFileError& problem) {
+    throw SceneFileError(fmt::format("{}: it {}", file.string(), problem.what()));
   } catch (const std::bad_alloc&) {
     throw SceneFileError(fmt::format("{}: there is not enough memory for it", file.string()));
   }
