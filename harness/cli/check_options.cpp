@@ -22,6 +22,7 @@ namespace stbvh::harness {
 namespace {
 
 constexpr double kLargestScale = 4;
+constexpr std::size_t kLargestObjStep = 1'000'000;
 constexpr std::size_t kMostRepeats = 10'000;
 constexpr std::size_t kMostRays = 100'000'000;
 constexpr std::size_t kMostTriangles = 100'000'000;
@@ -129,6 +130,7 @@ void check_scene_options(Arguments& a, const CLI::App& command) {
   }
   check_shutter_mode(a.shutter_mode, o.gltf);
   check_steps(a.steps, o.gltf);
+  check_range("--step", o.obj_step, kLargestObjStep);
 }
 
 void check_structures(Options& o, std::span<const std::string_view> otherwise) {

@@ -155,12 +155,8 @@ std::vector<std::uint32_t> Document::integers(pugi::xml_node array, std::size_t 
 VertexBuffer Document::positions(pugi::xml_node array) {
   const std::vector<float> values = floats(array, 3);
   VertexBuffer buffer(values.size() / 3);
-  for (std::size_t i = 0; i < buffer.size(); ++i) {
-    const Vec3f p{values[3 * i], values[3 * i + 1], values[3 * i + 2]};
-    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-      fail(array, "vertex {} of its <{}> is not finite", i, array.name());
-    buffer[i] = p;
-  }
+  for (std::size_t i = 0; i < buffer.size(); ++i)
+    buffer[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
   return buffer;
 }
 

@@ -28,7 +28,7 @@ class Document {
   /// `ofs` of the binary file. Nothing where `array` is not there. Throws Problem, also for half an element.
   std::vector<float> floats(pugi::xml_node array, std::size_t per_element);
   std::vector<std::uint32_t> integers(pugi::xml_node array, std::size_t per_element);
-  /// Three floats for each vertex, all finite.
+  /// Three floats for each vertex, maybe not finite.
   VertexBuffer positions(pugi::xml_node array);
   /// Twelve floats for each map: the three columns of its matrix, then its translation. Only in binary.
   std::vector<Affine> affine_columns(pugi::xml_node array);

@@ -11,7 +11,9 @@
 #include "harness/scenes/embree_xml/node.h"
 #include "harness/scenes/embree_xml/problem.h"
 #include "harness/scenes/embree_xml/reader.h"
+#include "harness/scenes/finite_check.h"
 #include "harness/scenes/gltf/framing.h"
+#include "harness/scenes/obj/obj.h"
 
 namespace stbvh::harness {
 namespace embree_xml {
@@ -33,9 +35,11 @@ std::string lower_extension(const std::filesystem::path& file) {
   return extension;
 }
 
-Scene make_scene(FlatScene flat, const CommandList& list) {
+Scene make_scene(FlatScene flat, const CommandList& list, const std::filesystem::path& file,
+                 const Warn& warn) {
   Scene scene;
   scene.meshes = std::move(flat.meshes);
+  leave_out_invalid_triangles(scene, file, warn);
   if (scene.meshes.empty())
     throw Problem("nothing in it can be shown: there are no triangles, quads or cages");
   scene.directional_lights = std::move(flat.directional_lights);
@@ -53,6 +57,18 @@ Scene make_scene(FlatScene flat, const CommandList& list) {
   return scene;
 }
 
+void add_file(Node& root, const std::filesystem::path& file, const Warn& warn) {
+  const std::string extension = lower_extension(file);
+  if (extension == ".xml") {
+    add_child(root, read_file(file, warn));
+  } else if (extension == ".obj") {
+    for (Mesh& mesh : load_obj(file.string(), warn).meshes) add_child(root, make_leaf(std::move(mesh)));
+  } else {
+    throw Problem(
+        fmt::format("\"{}\" is neither an .xml nor an .obj file; no others are supported", file.string()));
+  }
+}
+
 Scene load(const std::filesystem::path& file, const Warn& warn) {
   CommandList list;
   if (lower_extension(file) == ".ecs") {
@@ -61,12 +77,8 @@ Scene load(const std::filesystem::path& file, const Warn& warn) {
     list.scene_files = {file};
   }
   Node root;
-  for (const std::filesystem::path& scene_file : list.scene_files) {
-    if (lower_extension(scene_file) != ".xml")
-      throw Problem(fmt::format("\"{}\" is not an .xml file; no others are supported", scene_file.string()));
-    add_child(root, read_file(scene_file, warn));
-  }
-  Scene scene = make_scene(flatten(root), list);
+  for (const std::filesystem::path& scene_file : list.scene_files) add_file(root, scene_file, warn);
+  Scene scene = make_scene(flatten(root), list, file, warn);
   scene.name = file.stem().string();
   return scene;
 }

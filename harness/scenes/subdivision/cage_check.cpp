@@ -1,7 +1,6 @@
 #include "harness/scenes/subdivision/cage_check.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace stbvh::harness::subdivision {
@@ -59,12 +58,6 @@ void check_steps(const std::vector<VertexBuffer>& steps) {
   for (std::size_t s = 0; s < steps.size(); ++s) {
     if (steps[s].size() != steps.front().size()) {
       fail("step {} of the cage has {} vertices, step 0 has {}", s, steps[s].size(), steps.front().size());
-    }
-    for (std::size_t v = 0; v < steps[s].size(); ++v) {
-      const Vec3f& p = steps[s][v];
-      if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z)) {
-        fail("vertex {} of step {} of the cage is not finite", v, s);
-      }
     }
   }
 }
