@@ -15,6 +15,7 @@
 #include "harness/cli/usage_error.h"
 #include "harness/rays/ray_generator.h"
 #include "harness/scenes/procedural/procedural.h"
+#include "harness/scenes/reach.h"
 #include "harness/structures/structure_under_test.h"
 #include "tests/hard_cases/hard_case.h"
 
@@ -336,8 +337,12 @@ Vec3f parse_point(std::string_view text, std::string_view option) {
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t end = i < 2 ? std::min(rest.find(','), rest.size()) : rest.size();
     const auto number = parse_number(rest.substr(0, end));
-    if (!number || !std::isfinite(static_cast<float>(*number))) {
+    if (!number) {
       throw UsageError(fmt::format("{} takes three numbers with \",\" between, not \"{}\".", option, text));
+    }
+    if (!is_within_reach(*number)) {
+      throw UsageError(
+          fmt::format("{}: coordinates must be below {}, not \"{}\".", option, kMaxCoordinate, text));
     }
     numbers[i] = static_cast<float>(*number);
     rest = rest.substr(std::min(end + 1, rest.size()));

@@ -14,6 +14,7 @@
 #include "harness/cli/usage_error.h"
 #include "harness/files/input_file.h"
 #include "harness/files/output_file.h"
+#include "harness/scenes/reach.h"
 
 namespace stbvh::harness {
 namespace {
@@ -191,6 +192,7 @@ bool ScriptRunner::carry_out_view(const ScriptCommand& c) {
   } else if (c.name == "fov") {
     model_.camera.set_fov(c.number(0));
   } else if (c.name == "lens") {
+    if (!is_within_reach(c.number(0))) refuse(c, "a lens is not that large.");
     model_.lens_radius = std::max(0.0, c.number(0));
   } else {
     return false;

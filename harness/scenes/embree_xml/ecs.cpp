@@ -8,6 +8,7 @@
 #include "harness/files/input_file.h"
 #include "harness/scenes/embree_xml/disc_light.h"
 #include "harness/scenes/embree_xml/numbers.h"
+#include "harness/scenes/reach.h"
 
 namespace stbvh::harness::embree_xml {
 namespace {
@@ -59,15 +60,15 @@ class Parser {
     } else if (name == "camera") {
       list_.camera_name = text(name);
     } else if (name == "vp") {
-      list_.position = vector(name);
+      list_.position = near_vector(name);
     } else if (name == "vi") {
-      list_.target = vector(name);
+      list_.target = near_vector(name);
       list_.direction.reset();
     } else if (name == "vd") {
-      list_.direction = vector(name);
+      list_.direction = near_vector(name);
       list_.target.reset();
     } else if (name == "vu") {
-      list_.up = vector(name);
+      list_.up = near_vector(name);
     } else if (name == "fov") {
       list_.vertical_fov_degrees = number(name);
       if (!(*list_.vertical_fov_degrees > 0 && *list_.vertical_fov_degrees < 180))
@@ -110,6 +111,12 @@ class Parser {
   Vec3f vector(const std::string& option) {
     const float x = number(option), y = number(option), z = number(option);
     return {x, y, z};
+  }
+
+  Vec3f near_vector(const std::string& option) {
+    const Vec3f v = vector(option);
+    if (!is_within_reach(to_double(v))) throw Problem(fmt::format("-{} is too far away", option));
+    return v;
   }
 
   std::filesystem::path folder_;

@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <numeric>
 
 #include "harness/scenes/cancellation.h"
 #include "harness/scenes/embree_xml/node.h"
 #include "harness/scenes/embree_xml/problem.h"
+#include "harness/scenes/reach.h"
 #include "harness/scenes/scene_file.h"
 
 namespace stbvh::harness::embree_xml {
@@ -143,14 +143,15 @@ class Flattener {
     });
   }
 
+  /// `is_point`: 1, or 0 for a direction.
   static Vec3f mapped(Vec3f v, const Placement& placement, double is_point) {
     if (placement.keys.empty()) return v;
     const std::array<std::array<double, 4>, 3>& m = placement.keys.front().row;
     const auto row = [&](std::size_t i) {
       const double sum = m[i][0] * static_cast<double>(v.x) + m[i][1] * static_cast<double>(v.y) +
                          m[i][2] * static_cast<double>(v.z) + m[i][3] * is_point;
-      if (!(std::abs(sum) <= std::numeric_limits<float>::max()))
-        throw Problem("a transform moves a light or a camera further than a float can say");
+      if (is_point != 0 ? !is_within_reach(sum) : !std::isfinite(static_cast<float>(sum)))
+        throw Problem("a transform moves a light or a camera too far away");
       return static_cast<float>(sum);
     };
     return {row(0), row(1), row(2)};

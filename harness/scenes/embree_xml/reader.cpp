@@ -11,6 +11,7 @@
 #include "harness/scenes/embree_xml/document.h"
 #include "harness/scenes/embree_xml/material.h"
 #include "harness/scenes/embree_xml/mesh_reader.h"
+#include "harness/scenes/reach.h"
 #include "harness/scenes/scene_file.h"
 
 namespace stbvh::harness::embree_xml {
@@ -202,8 +203,11 @@ class Reader {
 
   NodePtr camera(pugi::xml_node element) {
     const auto point = [&](const char* name) {
-      const std::vector<float> p = float_attribute(element, name, 3);
-      return Vec3f{p[0], p[1], p[2]};
+      const std::vector<float> values = float_attribute(element, name, 3);
+      const Vec3f p{values[0], values[1], values[2]};
+      if (!is_within_reach(to_double(p)))
+        fail(element, "the {} of a <PerspectiveCamera> is too far away", name);
+      return p;
     };
     const float fov = float_attribute(element, "fov", 1)[0];
     if (!(fov > 0 && fov < 180)) fail(element, "a <PerspectiveCamera> has a fov of {} degrees", fov);
