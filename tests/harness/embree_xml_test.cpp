@@ -387,6 +387,23 @@ TEST_F(EmbreeXmlTest, TrianglesThatAreNotFiniteAreLeftOutAndCounted) {
   EXPECT_EQ(warnings.size(), 1u);
 }
 
+TEST_F(EmbreeXmlTest, TimeRangesThatEmbreeCannotBuildOverAreLeftOut) {
+  const std::string moving =
+      "<TriangleMesh name=\"m\"><positions>0 0 0 1 0 0 0 1 0</positions>"
+      "<positions2>0 0 1 1 0 1 0 1 1</positions2><triangles>0 1 2</triangles></TriangleMesh>";
+  for (const char* const time :
+       {"0 1e-39", "0 1e-45", "-1e-45 1e-45", "-3e38 3e38", "0 1e38", "1 2", "-1 0", "2 3"}) {
+    const Scene scene = load(triangle() + "<TimeRange time=\"" + time + "\">" + moving + "</TimeRange>");
+    EXPECT_EQ(scene.meshes.size(), 1u) << time;
+    EXPECT_TRUE(warned_of("are left out: \"m\".")) << time;
+  }
+  for (const char* const time : {"0 0.001", "-1 2", "0.999 1", "0.25 0.5"}) {
+    const Scene scene = load(triangle() + "<TimeRange time=\"" + time + "\">" + moving + "</TimeRange>");
+    EXPECT_EQ(scene.meshes.size(), 2u) << time;
+    EXPECT_TRUE(warnings.empty()) << time;
+  }
+}
+
 TEST_F(EmbreeXmlTest, EmissionIsOurWord) {
   const Scene scene =
       load(triangle(R"(<material><code>"OBJ"</code><parameters><float3 name="Kd">0 0 0</float3>

@@ -35,11 +35,34 @@ std::string lower_extension(const std::filesystem::path& file) {
   return extension;
 }
 
+/// A moving mesh must be seen for this part of [0, 1], and its range be no longer than that: Debian's Embree
+/// aborts the process while it builds over others.
+constexpr float kLeastTimeSeen = 0x1p-10f, kLongestTimeRange = 16;
+
+bool is_seen(const Mesh& mesh) {
+  const TimeRange& range = mesh.time_range;
+  const float seen = std::min(range.end, 1.0f) - std::max(range.begin, 0.0f);
+  return mesh.is_static() || (seen >= kLeastTimeSeen && range.end - range.begin <= kLongestTimeRange);
+}
+
+void leave_out_unseen_meshes(Scene& scene, const Warn& warn) {
+  std::string names;
+  for (const Mesh& mesh : scene.meshes) {
+    if (!is_seen(mesh)) names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", mesh.name);
+  }
+  if (names.empty()) return;
+  std::erase_if(scene.meshes, [](const Mesh& mesh) { return !is_seen(mesh); });
+  warn(fmt::format(
+      "Meshes whose time range holds less than {} of [0, 1], or is longer than {}, are left out: {}.",
+      kLeastTimeSeen, kLongestTimeRange, names));
+}
+
 Scene make_scene(FlatScene flat, const CommandList& list, const std::filesystem::path& file,
                  const Warn& warn) {
   Scene scene;
   scene.meshes = std::move(flat.meshes);
   leave_out_invalid_triangles(scene, file, warn);
+  leave_out_unseen_meshes(scene, warn);
   if (scene.meshes.empty())
     throw Problem("nothing in it can be shown: there are no triangles, quads or cages");
   scene.directional_lights = std::move(flat.directional_lights);
