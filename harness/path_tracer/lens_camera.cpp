@@ -48,7 +48,7 @@ LensCamera::LensCamera(const Camera& camera, const Lens& lens, std::size_t width
   }
   focus_distance_ = lens.focus_distance.value_or(length(axis));
   if (!(lens_radius_ >= 0) || !is_within_reach(lens_radius_) || !(focus_distance_ > 0) ||
-      !is_within_reach(focus_distance_)) {
+      !std::isfinite(focus_distance_)) {
     throw std::invalid_argument("The lens must have a radius of at least 0, and focus in front of it.");
   }
   forward_ = normalize(axis);
