@@ -15,6 +15,7 @@
 #include "harness/cli/usage_error.h"
 #include "harness/rays/ray_generator.h"
 #include "harness/scenes/procedural/procedural.h"
+#include "harness/scenes/reach.h"
 #include "harness/structures/structure_under_test.h"
 #include "tests/hard_cases/hard_case.h"
 
@@ -22,6 +23,7 @@ namespace stbvh::harness {
 namespace {
 
 constexpr double kLargestScale = 4;
+constexpr std::size_t kLargestObjStep = 1'000'000;
 constexpr std::size_t kMostRepeats = 10'000;
 constexpr std::size_t kMostRays = 100'000'000;
 constexpr std::size_t kMostTriangles = 100'000'000;
@@ -129,6 +131,7 @@ void check_scene_options(Arguments& a, const CLI::App& command) {
   }
   check_shutter_mode(a.shutter_mode, o.gltf);
   check_steps(a.steps, o.gltf);
+  check_range("--step", o.obj_step, kLargestObjStep);
 }
 
 void check_structures(Options& o, std::span<const std::string_view> otherwise) {
@@ -334,8 +337,12 @@ Vec3f parse_point(std::string_view text, std::string_view option) {
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t end = i < 2 ? std::min(rest.find(','), rest.size()) : rest.size();
     const auto number = parse_number(rest.substr(0, end));
-    if (!number || !std::isfinite(static_cast<float>(*number))) {
+    if (!number) {
       throw UsageError(fmt::format("{} takes three numbers with \",\" between, not \"{}\".", option, text));
+    }
+    if (!is_within_reach(*number)) {
+      throw UsageError(
+          fmt::format("{}: coordinates must be below {}, not \"{}\".", option, kMaxCoordinate, text));
     }
     numbers[i] = static_cast<float>(*number);
     rest = rest.substr(std::min(end + 1, rest.size()));

@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <system_error>
 
 #include "harness/cli/commands.h"
 #include "harness/cli/progress.h"
@@ -18,8 +19,11 @@ namespace {
 void check_owner(const std::filesystem::path& binary_file, const std::filesystem::path& xml_file) {
   std::filesystem::path gltf = xml_file;
   gltf.replace_extension(".gltf");
-  if (std::filesystem::exists(binary_file) &&
-      (!std::filesystem::exists(xml_file) || std::filesystem::exists(gltf))) {
+  std::error_code unreachable;  // check_writable() says it
+  const auto exists = [&](const std::filesystem::path& file) {
+    return std::filesystem::exists(file, unreachable);
+  };
+  if (exists(binary_file) && (!exists(xml_file) || exists(gltf))) {
     throw UsageError(
         fmt::format("\"{}\" is there already and may belong to another file; choose another name.",
                     binary_file.string()));

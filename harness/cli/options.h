@@ -62,6 +62,7 @@ struct Options {
   std::vector<std::string> families;  ///< of hard cases, in the order of hard_families()
   std::optional<double> scale;        ///< of the paper's scenes; empty: each scene's default
   GltfOptions gltf;
+  std::size_t obj_step = 1;  ///< by which the numbers of OBJ sequences go up
   std::uint64_t seed = 1;
   unsigned threads = 1;                 ///< of the builds, and of the rays but where thread_counts has others
   std::vector<unsigned> thread_counts;  ///< that speeds are measured with, ascending; threads is the largest

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "harness/cli/usage_error.h"
+#include "harness/scenes/reach.h"
 
 namespace stbvh::harness {
 namespace {
@@ -44,8 +45,8 @@ std::optional<Camera> chosen_camera(const CameraOptions& options, const Camera& 
       .vertical_fov_degrees = options.fov_degrees.value_or(scene_camera.vertical_fov_degrees)};
   try {
     const LensCamera lens(camera, {}, 1, 1);
-  } catch (const std::invalid_argument&) {
-    throw UsageError("--camera-position, --camera-target, --camera-up: this camera does not look anywhere.");
+  } catch (const std::invalid_argument& e) {
+    throw UsageError(fmt::format("--camera-position, --camera-target, --camera-up: {}", e.what()));
   }
   return camera;
 }
@@ -110,12 +111,14 @@ void check_render_options(Arguments& a, const CLI::App& command) {
   check_samples(a);
   check_shutter_options(a);
   check_camera_options(a, command);
-  if (!(r.lens.radius >= 0) || !std::isfinite(r.lens.radius)) {
-    throw UsageError(fmt::format("--lens-radius must be at least 0, not {}.", r.lens.radius));
+  if (!(r.lens.radius >= 0) || !is_within_reach(r.lens.radius)) {
+    throw UsageError(
+        fmt::format("--lens-radius must be at least 0 and below {}, not {}.", kMaxCoordinate, r.lens.radius));
   }
   if (command.count("--focus-distance") > 0) {
-    if (!(a.focus_distance > 0) || !std::isfinite(a.focus_distance)) {
-      throw UsageError(fmt::format("--focus-distance must be above 0, not {}.", a.focus_distance));
+    if (!(a.focus_distance > 0) || !is_within_reach(a.focus_distance)) {
+      throw UsageError(fmt::format("--focus-distance must be above 0 and below {}, not {}.", kMaxCoordinate,
+                                   a.focus_distance));
     }
     r.lens.focus_distance = a.focus_distance;
   }

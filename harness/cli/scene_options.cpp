@@ -22,6 +22,10 @@ void add_making_options(CLI::App& app, Arguments& a) {
                  "glTF: steps of each moving mesh; or auto:E, for each mesh as few as keep it within E times "
                  "the diagonal of its true motion, as in auto:1e-3")
       ->capture_default_str();
+  app.add_option(
+         "--step", a.options.obj_step,
+         "OBJ: by how much the numbers of a sequence go up from file to file, as in 2 for one on twos")
+      ->capture_default_str();
 }
 
 std::string shell_word(const std::string& word) {

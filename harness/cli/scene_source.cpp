@@ -11,6 +11,7 @@
 #include "harness/cli/closest_name.h"
 #include "harness/cli/usage_error.h"
 #include "harness/scenes/embree_xml/embree_xml.h"
+#include "harness/scenes/obj/obj.h"
 #include "harness/scenes/obj/obj_sequence.h"
 #include "harness/scenes/procedural/procedural.h"
 #include "harness/scenes/vec3.h"
@@ -40,17 +41,19 @@ bool is_file_name(const std::string& name) {
 }
 
 SceneSource file_source(const std::string& name, const GltfOptions& gltf) {
-  if (!std::filesystem::exists(name)) throw UsageError(fmt::format("There is no file \"{}\".", name));
+  std::error_code unreachable;  // what else is wrong with it, its reader says
+  if (std::filesystem::status(name, unreachable).type() == std::filesystem::file_type::not_found)
+    throw UsageError(fmt::format("There is no file \"{}\".", name));
   const std::string stem = std::filesystem::path(name).stem().string();
   if (is_embree_file(name))
     return {stem, [=] { return checked(load_embree_xml(name, print_warning), stem); }};
   return {stem, [=] { return checked(load_gltf(name, gltf, print_warning), stem); }};
 }
 
-SceneSource obj_source(const std::string& name) {
+SceneSource obj_source(const std::string& name, std::size_t number_step) {
   const std::string scene_name = obj_scene_name(name);
-  find_obj_files(name);  // before anything is measured
-  return {scene_name, [=] { return checked(load_obj(name), scene_name); }};
+  find_obj_files(name, {}, number_step);  // before anything is measured
+  return {scene_name, [=] { return checked(load_obj(name, print_warning, number_step), scene_name); }};
 }
 
 SceneSource built_in_source(const std::string& name, const Options& options) {
@@ -86,7 +89,7 @@ std::vector<SceneSource> find_scenes(const Options& options) {
   std::vector<SceneSource> sources;
   for (const std::string& name : options.scenes) {
     if (find_procedural_scene(name) == nullptr && is_obj_name(name)) {
-      sources.push_back(obj_source(name));
+      sources.push_back(obj_source(name, options.obj_step));
       continue;
     }
     sources.push_back(is_file_name(name) ? file_source(name, options.gltf) : built_in_source(name, options));

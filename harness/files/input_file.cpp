@@ -4,8 +4,11 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
+#include <array>
 #include <cerrno>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 #include "plugin/files/open_file.h"
 
@@ -29,10 +32,36 @@ std::size_t checked_size(const OpenFile& file, std::size_t most_bytes) {
   return size;
 }
 
+constexpr int kReading = O_RDONLY | O_NONBLOCK;  // does not wait for who writes to a pipe
+
+/// Byte order marks of what is not read; longer ones before those that they begin with.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kWideMarks{{
+    {{"\xFF\xFE\0\0", 4}, "UTF-32"},
+    {{"\0\0\xFE\xFF", 4}, "UTF-32"},
+    {"\xFF\xFE", "UTF-16"},
+    {"\xFE\xFF", "UTF-16"},
+}};
+constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";
+
 }  // namespace
 
+std::size_t input_file_size(const std::filesystem::path& path, std::size_t most_bytes) {
+  const OpenFile file(path, kReading);
+  if (!file.is_open()) fail(errno);
+  return checked_size(file, most_bytes);
+}
+
+std::string read_text_file(const std::filesystem::path& path, std::size_t most_bytes) {
+  std::string text = read_whole_file(path, most_bytes);
+  for (const auto& [mark, encoding] : kWideMarks) {
+    if (text.starts_with(mark)) throw InputFileError(fmt::format("is {} text, not UTF-8", encoding));
+  }
+  if (text.starts_with(kUtf8Mark)) text.erase(0, kUtf8Mark.size());
+  return text;
+}
+
 std::string read_whole_file(const std::filesystem::path& path, std::size_t most_bytes) {
-  const OpenFile file(path, O_RDONLY | O_NONBLOCK);  // does not wait for who writes to a pipe
+  const OpenFile file(path, kReading);
   if (!file.is_open()) fail(errno);
   std::string bytes(checked_size(file, most_bytes), '\0');
   const std::size_t read = file.read_all(bytes);

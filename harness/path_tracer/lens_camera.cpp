@@ -1,10 +1,13 @@
 #include "harness/path_tracer/lens_camera.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <stdexcept>
 
 #include "harness/path_tracer/color.h"
 #include "harness/path_tracer/directions.h"
+#include "harness/scenes/reach.h"
 
 namespace stbvh::harness {
 
@@ -36,12 +39,15 @@ LensCamera::LensCamera(const Camera& camera, const Lens& lens, std::size_t width
   const Vec3 axis = to_double(camera.target) - origin_;
   const Vec3 side = cross(axis, to_double(camera.up));
   const double fov = camera.vertical_fov_degrees;
-  if (!is_finite(origin_) || !(length(axis) > 0) || !is_finite(axis) || !(length(side) > 0) ||
-      !is_finite(side) || !(fov > 0 && fov < 180)) {
+  if (!is_within_reach(origin_))
+    throw std::invalid_argument(
+        fmt::format("The camera is too far away: its coordinates must be below {}.", kMaxCoordinate));
+  if (!(length(axis) > 0) || !is_finite(axis) || !(length(side) > 0) || !is_finite(side) ||
+      !(fov > 0 && fov < 180)) {
     throw std::invalid_argument("The scene's camera does not look anywhere.");
   }
   focus_distance_ = lens.focus_distance.value_or(length(axis));
-  if (!(lens_radius_ >= 0) || !std::isfinite(lens_radius_) || !(focus_distance_ > 0) ||
+  if (!(lens_radius_ >= 0) || !is_within_reach(lens_radius_) || !(focus_distance_ > 0) ||
       !std::isfinite(focus_distance_)) {
     throw std::invalid_argument("The lens must have a radius of at least 0, and focus in front of it.");
   }

@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "harness/rays/ray_generator.h"
+
 namespace stbvh::harness {
 namespace {
 
@@ -153,6 +155,7 @@ PathSample PathTracer::trace(std::size_t x, std::size_t y, std::size_t index) co
 
 bool PathTracer::find_hit(const Walk& walk, Hit& hit, PathSample& sample) const {
   ++sample.rays;
+  if (!is_traceable(walk.ray)) return false;
   if (walk.bounce > 0) return structure_.intersect_one(walk.ray, hit);
   return structure_.intersect_one_counted(walk.ray, hit, sample.counters);
 }
@@ -225,7 +228,7 @@ Color PathTracer::lit(const Walk& walk, const Vertex& vertex, const LightSample&
   const Ray ray = light.target ? ray_between(vertex.surface, *light.target, time)
                                : ray_from(vertex.surface, light.direction, time);
   ++sample.rays;
-  if (structure_.occluded_one(ray)) return {};
+  if (is_traceable(ray) && structure_.occluded_one(ray)) return {};
   return (weight / light.density) * modulate(reflected, light.radiance);
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "harness/scenes/reach.h"
+
 namespace stbvh::harness {
 namespace {
 
@@ -41,12 +43,14 @@ void CameraController::orbit(double right_degrees, double up_degrees) {
 void CameraController::pan(double right_share, double up_share) {
   const double height = 2 * dot(pivot_ - position_, forward_) * std::tan(fov_degrees_ * kPi / 360);
   const Vec3 shift = height * (right_share * right() + up_share * cross(right(), forward_));
+  if (!is_within_reach(position_ + shift) || !is_within_reach(pivot_ + shift)) return;
   position_ = position_ + shift;
   pivot_ = pivot_ + shift;
 }
 
 void CameraController::dolly(double factor) {
-  position_ = pivot_ + factor * (position_ - pivot_);
+  const Vec3 moved = pivot_ + factor * (position_ - pivot_);
+  if (is_within_reach(moved)) position_ = moved;
 }
 
 void CameraController::focus(Vec3 point) {

@@ -6,7 +6,8 @@
 
 namespace stbvh::harness {
 
-/// Looks along an axis, keeps the horizon level, turns around a pivot. The camera's target is the point of
+/// Looks along an axis, keeps the horizon level, turns around a pivot. Stays where it is rather than go where
+/// no rays come from (is_within_reach()). The camera's target is the point of
 /// the axis that is as far away as the pivot: it is what is sharp.
 class CameraController {
  public:

@@ -13,6 +13,7 @@
 #include "harness/images/exr_file.h"
 #include "harness/images/png_file.h"
 #include "harness/preview/render_command.h"
+#include "harness/rays/ray_generator.h"
 #include "harness/scenes/scene_file.h"
 
 namespace stbvh::harness {
@@ -140,7 +141,7 @@ std::optional<PreviewModel::Pick> PreviewModel::pick(double x, double y) const {
           .tfar = std::numeric_limits<float>::infinity(),
           .mask = 0xFFFFFFFFu};
   Hit hit;
-  if (!state_.structures[0]->structure->intersect_one(ray, hit)) return std::nullopt;
+  if (!is_traceable(ray) || !state_.structures[0]->structure->intersect_one(ray, hit)) return std::nullopt;
   return Pick{hit, through.origin + static_cast<double>(hit.t) * through.direction};
 }
 

@@ -6,13 +6,14 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <optional>
 #include <sstream>
 #include <string_view>
 
 #include "harness/cli/closest_name.h"
 #include "harness/cli/usage_error.h"
+#include "harness/files/input_file.h"
+#include "harness/scenes/reach.h"
 #include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
@@ -114,12 +115,11 @@ std::vector<ScriptCommand> parse_script(const std::string& text) {
 }
 
 std::vector<ScriptCommand> read_script(const std::filesystem::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  if (std::filesystem::is_directory(file) || !stream || !(text << stream.rdbuf())) {
-    throw UsageError(fmt::format("The script \"{}\" cannot be read, or is empty.", file.string()));
+  try {
+    return parse_script(read_text_file(file, kMaxHandwrittenBytes));
+  } catch (const InputFileError& error) {
+    throw UsageError(fmt::format("The script \"{}\" {}.", file.string(), error.what()));
   }
-  return parse_script(text.str());
 }
 
 void ScriptRunner::step(double elapsed) {
@@ -192,6 +192,7 @@ bool ScriptRunner::carry_out_view(const ScriptCommand& c) {
   } else if (c.name == "fov") {
     model_.camera.set_fov(c.number(0));
   } else if (c.name == "lens") {
+    if (!is_within_reach(c.number(0))) refuse(c, "a lens is not that large.");
     model_.lens_radius = std::max(0.0, c.number(0));
   } else {
     return false;

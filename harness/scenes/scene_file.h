@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <stdexcept>
+#include <string>
 
 namespace stbvh::harness {
 
@@ -11,7 +13,13 @@ struct SceneFileError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Told a sentence for each thing that a scene is read without, or otherwise than the file means it.
+using SceneWarning = std::function<void(const std::string& sentence)>;
+
 /// Most bytes of vertex buffers that one file may grow to: what the largest machine of the measurements has.
 inline constexpr std::size_t kMaxSceneFileBytes = std::size_t{24} << 30;
+
+/// Most bytes of a scene file that is text, which is read whole.
+inline constexpr std::size_t kMaxSceneTextBytes = std::size_t{4} << 30;
 
 }  // namespace stbvh::harness

@@ -41,6 +41,7 @@ TimeWindows::TimeWindows(const Scene& scene) {
 void TimeWindows::add_mesh(const Mesh& mesh, std::size_t index) {
   for (std::size_t k = 0; k < mesh.segment_count(); ++k) {
     const TimeRange range = segment_time_range(mesh, k);
+    if (range.begin >= 1 || range.end <= 0) continue;  // no ray is there, and Embree would abort the process
     const bool is_last = k + 1 == mesh.segment_count();
     for (std::size_t i = 0; i < count(); ++i) {
       // The mesh's own last moment belongs to its last segment, every other border to the later one.

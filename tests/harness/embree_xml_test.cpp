@@ -106,11 +106,11 @@ TEST_F(EmbreeXmlTest, OuterTransformsComeLast) {
 
 TEST_F(EmbreeXmlTest, UntouchedPositionsKeepTheirBits) {
   const Scene scene =
-      load(triangle("", "0.1 -0 3.4028235e38  1e-45 1.17549435e-38 0.333333343  16777217 1 7e-46"));
+      load(triangle("", "0.1 -0 1.8439999e18  1e-45 1.17549435e-38 0.333333343  16777217 1 7e-46"));
   const VertexBuffer& p = scene.meshes[0].steps[0];
   EXPECT_EQ(p[0].x, 0.1f);
   EXPECT_TRUE(std::signbit(p[0].y));
-  EXPECT_EQ(p[0].z, 3.4028235e38f);
+  EXPECT_EQ(p[0].z, 1.8439999e18f);
   EXPECT_EQ(p[1].x, 1e-45f);
   EXPECT_EQ(p[2].x, 16777216.0f);
   EXPECT_EQ(p[2].z, 0.0f);
@@ -324,6 +324,84 @@ TEST_F(EmbreeXmlTest, CommandLists) {
   EXPECT_EQ(scene.camera.vertical_fov_degrees, 20);
   expect_at(scene.camera.target, 1, 1, 0);
   EXPECT_TRUE(warnings.empty());
+}
+
+TEST_F(EmbreeXmlTest, CommandListsMayNameObjFiles) {
+  write("w.mtl", "newmtl red\nKd 1 0 0\n");
+  write("w.obj",
+        "mtllib w.mtl\nv 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nusemtl red\nf 1 2 3 4 5 6\n"
+        "usemtl none\nf 1 2 3\n");
+  write_scene(triangle());
+  const Scene scene = load_file(write("l.ecs", "\xEF\xBB\xBF-i w.obj -i s.xml\n-vp 1 2 3 -vi 0 0 0 -fov 37"));
+  ASSERT_EQ(scene.meshes.size(), 3u);
+  EXPECT_EQ(scene.meshes[0].triangle_count(), 4u);
+  EXPECT_EQ(scene.meshes[0].material.color.x, 1);
+  EXPECT_EQ(scene.meshes[0].material.color.y, 0);
+  EXPECT_EQ(scene.meshes[1].material.color.x, Material{}.color.x);
+  EXPECT_EQ(scene.camera.vertical_fov_degrees, 37);
+  expect_at(scene.camera.position, 1, 2, 3);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_TRUE(warned_of("The material \"none\" is not defined"));
+}
+
+TEST_F(EmbreeXmlTest, ByteOrderMarks) {
+  const std::string text = "<?xml version=\"1.0\"?>\n<scene>" + triangle() + "\n</scene>";
+  EXPECT_EQ(load_file(write("s.xml", "\xEF\xBB\xBF" + text)).triangle_count(), 1u);
+  std::string wide = "\xFF\xFE", broken = wide;
+  for (const char c : text) {
+    wide.push_back(c);
+    wide.push_back('\0');
+  }
+  EXPECT_EQ(load_file(write("s.xml", wide)).triangle_count(), 1u);
+  EXPECT_NE(refusal_of(write("s.xml", wide.substr(0, 100))).find(": it is not XML: "), std::string::npos);
+}
+
+TEST_F(EmbreeXmlTest, TrianglesThatAreNotFiniteAreLeftOutAndCounted) {
+  for (const char* const bad : {"nan", "+inf", "-1e39", "2e18"}) {
+    const std::string positions = std::string("0 0 0 1 0 0 0 1 0 1 1 ") + bad;
+    const Scene scene = load("<TriangleMesh name=\"a\"><positions>" + positions +
+                             "</positions><triangles>0 1 2 1 3 2</triangles></TriangleMesh>");
+    ASSERT_EQ(scene.meshes.size(), 1u) << bad;
+    EXPECT_EQ(scene.triangle_count(), 1u) << bad;
+    EXPECT_LT(scene.bounds().upper.z, 1) << bad;
+    ASSERT_EQ(warnings.size(), 1u) << bad;
+    EXPECT_TRUE(warned_of(at("s.xml") + ": 1 triangle is left out")) << warnings[0];
+    EXPECT_TRUE(warned_of("1 of 2 in \"a\"")) << warnings[0];
+    // Where it is moved by transforms, and from key to key.
+    const Scene moved =
+        load("<TransformAnimation><AffineSpace scale=\"1 1 1\"/><AffineSpace scale=\"2 2 2\"/>" + triangle() +
+             triangle("", positions.substr(12) + " 0 0 0") + "</TransformAnimation>");
+    EXPECT_EQ(moved.triangle_count(), 1u) << bad;
+    EXPECT_EQ(warnings.size(), 1u) << bad;
+  }
+  const Scene far =
+      load(triangle() + "<Transform><AffineSpace scale=\"1e30 1 1\"/>" + triangle() + "</Transform>");
+  EXPECT_EQ(far.triangle_count(), 1u);
+  EXPECT_EQ(warnings.size(), 1u);
+  // Of a cage, the surface near the vertex.
+  const Scene cage = load(
+      "<SubdivisionMesh><positions>0 0 0 1 0 0 2 0 0 3 0 0 4 0 0 0 1 0 1 1 0 2 1 0 3 1 0 4 1 nan</positions>"
+      "<position_indices>0 1 6 5 1 2 7 6 2 3 8 7 3 4 9 8</position_indices><faces>4 4 4 4</faces>"
+      "</SubdivisionMesh>");
+  EXPECT_EQ(cage.triangle_count(), 2u * 64 * 2);
+  EXPECT_EQ(warnings.size(), 1u);
+}
+
+TEST_F(EmbreeXmlTest, TimeRangesThatEmbreeCannotBuildOverAreLeftOut) {
+  const std::string moving =
+      "<TriangleMesh name=\"m\"><positions>0 0 0 1 0 0 0 1 0</positions>"
+      "<positions2>0 0 1 1 0 1 0 1 1</positions2><triangles>0 1 2</triangles></TriangleMesh>";
+  for (const char* const time :
+       {"0 1e-39", "0 1e-45", "-1e-45 1e-45", "-3e38 3e38", "0 1e38", "1 2", "-1 0", "2 3"}) {
+    const Scene scene = load(triangle() + "<TimeRange time=\"" + time + "\">" + moving + "</TimeRange>");
+    EXPECT_EQ(scene.meshes.size(), 1u) << time;
+    EXPECT_TRUE(warned_of("are left out: \"m\".")) << time;
+  }
+  for (const char* const time : {"0 0.001", "-1 2", "0.999 1", "0.25 0.5"}) {
+    const Scene scene = load(triangle() + "<TimeRange time=\"" + time + "\">" + moving + "</TimeRange>");
+    EXPECT_EQ(scene.meshes.size(), 2u) << time;
+    EXPECT_TRUE(warnings.empty()) << time;
+  }
 }
 
 TEST_F(EmbreeXmlTest, EmissionIsOurWord) {

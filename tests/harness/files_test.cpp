@@ -5,7 +5,9 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <string_view>
 #include <thread>
+#include <utility>
 
 #include "harness/files/input_file.h"
 #include "plugin/files/output_file.h"
@@ -51,6 +53,29 @@ TEST_F(InputFile, WhatIsNotAFileIsRefused) {
   fs::create_symlink(folder / "b", folder / "a");
   fs::create_symlink(folder / "a", folder / "b");
   EXPECT_EQ(refusal_of(folder / "a"), "cannot be read: Too many levels of symbolic links");
+}
+
+TEST_F(InputFile, TextLosesItsByteOrderMark) {
+  EXPECT_EQ(read_text_file(write("a", "\xEF\xBB\xBFtext\xEF\xBB\xBF"), kMost), "text\xEF\xBB\xBF");
+  EXPECT_EQ(read_text_file(write("a", "\xEF\xBB"), kMost), "\xEF\xBB");
+  EXPECT_EQ(read_text_file(write("a", ""), kMost), "");
+  using namespace std::string_view_literals;
+  for (const auto& [mark, encoding] :
+       {std::pair{"\xFF\xFE"sv, "UTF-16"}, std::pair{"\xFE\xFF"sv, "UTF-16"},
+        std::pair{"\xFF\xFE\0\0"sv, "UTF-32"}, std::pair{"\0\0\xFE\xFF"sv, "UTF-32"}}) {
+    try {
+      read_text_file(write("a", mark), kMost);
+      ADD_FAILURE() << encoding;
+    } catch (const InputFileError& e) {
+      EXPECT_EQ(std::string(e.what()), std::string("is ") + encoding + " text, not UTF-8");
+    }
+  }
+}
+
+TEST_F(InputFile, TellsItsSize) {
+  EXPECT_EQ(input_file_size(write("a", "abc"), 3), 3u);
+  EXPECT_THROW(input_file_size(folder / "a", 2), InputFileError);
+  EXPECT_THROW(input_file_size(folder, 2), InputFileError);
 }
 
 class OutputFile : public TemporaryFolderTest {};

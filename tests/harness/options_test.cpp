@@ -1,5 +1,6 @@
 /// What command lines are read as.
 #include "harness/cli/options.h"
+#include "harness/cli/usage_error.h"
 
 #include <gtest/gtest.h>
 
@@ -42,6 +43,9 @@ TEST(GltfOptions, StepsAreANumberOrADeviation) {
   EXPECT_FALSE(parse({"bench"}).gltf.largest_deviation.has_value());
   EXPECT_EQ(parse({"bench", "--steps", "129"}).gltf.steps, 129u);
   EXPECT_EQ(parse({"bench", "--steps", "auto:1e-3"}).gltf.largest_deviation, 1e-3);
+  EXPECT_EQ(parse({"bench"}).obj_step, 1u);
+  EXPECT_EQ(parse({"bench", "--step", "2"}).obj_step, 2u);
+  EXPECT_THROW(parse({"bench", "--step", "0"}), UsageError);
   EXPECT_EQ(parse({"bench"}).gltf.shutter_mode, ShutterMode::kClamp);
   EXPECT_EQ(parse({"bench", "--shutter-mode", "loop"}).gltf.shutter_mode, ShutterMode::kLoop);
 }

@@ -276,6 +276,17 @@ TEST(CameraController, PanDollyAndFocus) {
   EXPECT_NEAR(controller.camera().target.z, 1.5, 1e-4) << "what is behind is not taken";
 }
 
+TEST(CameraController, StaysWhereRaysComeFrom) {
+  CameraController controller(Camera{.position = {0, 0, 5}, .target = {0, 0, 0}});
+  controller.dolly(1e30);
+  controller.pan(1e30, -1e30);
+  controller.pan(1e308, 1e308);
+  EXPECT_EQ(controller.camera().position.z, 5);
+  EXPECT_EQ(controller.camera().position.x, 0);
+  controller.dolly(1e17);
+  EXPECT_EQ(controller.camera().position.z, 5e17f);
+}
+
 TEST(Animation, ShutterOfEachFrame) {
   Animation animation;
   EXPECT_EQ(animation.shutter().close, 1);

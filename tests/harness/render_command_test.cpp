@@ -107,6 +107,12 @@ TEST_F(RenderCommand, RefusesWhatCannotBe) {
                           "-o a.exr --camera-up=0,0,0",
                           "-o a.exr --camera-up 1,2,3,4",
                           "-o a.exr --camera-position=1,1,1 --camera-target=1,1,1",
+                          "-o a.exr --camera-position 1e30,0,0",
+                          "-o a.exr --camera-position=0,-1.9e18,0",
+                          "-o a.exr --camera-target 1e300,0,0",
+                          "-o a.exr --lens-radius 1e30",
+                          "-o a.exr --lens-radius inf",
+                          "-o a.exr --focus-distance 1e300",
                           "-o a.exr --focus-distance 0",
                           "-o a.exr --threads 0"}) {
     const Outcome run = stbvh_ab(std::string("render --scenes wheels --scale 0.01 ") + bad);
@@ -114,6 +120,17 @@ TEST_F(RenderCommand, RefusesWhatCannotBe) {
     EXPECT_NE(run.out.find("stbvh-ab: "), std::string::npos) << run.out;
   }
   EXPECT_FALSE(fs::exists("a.exr"));
+}
+
+/// Embree would abort the process on rays from further away than it knows.
+TEST_F(RenderCommand, NumbersAtTheLimitsReachNoAssertion) {
+  for (const char* const extreme :
+       {"--camera-position 1.8e18,0,0", "--camera-position=-1.8e18,1.8e18,1.8e18", "--lens-radius 1.84e18",
+        "--camera-position 1e-40,0,0 --camera-target 0,1.8e18,0", "--fov 1e-30", "--fov 179.99999",
+        "--focus-distance 1e-300 --lens-radius 1", "--shutter-open 1e-45 --shutter-close 1e-45"}) {
+    const Outcome run = stbvh_ab(small_ + extreme + " --structures embree -o " + at("limit.exr"));
+    EXPECT_EQ(run.exit_code, 0) << extreme << ": " << run.out;
+  }
 }
 
 TEST_F(RenderCommand, TakesACameraInsteadOfTheScenes) {

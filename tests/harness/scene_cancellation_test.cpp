@@ -10,7 +10,7 @@
 
 #include "harness/scenes/embree_xml/embree_xml.h"
 #include "harness/scenes/gltf/gltf.h"
-#include "harness/scenes/obj/obj_sequence.h"
+#include "harness/scenes/obj/obj.h"
 #include "harness/scenes/procedural/procedural.h"
 #include "tests/harness/temporary_folder.h"
 

@@ -100,4 +100,29 @@ inline SubdivisionCage pyramid() {
   return cage;
 }
 
+/// `count` triangles around a vertex at (0, 0, 1).
+inline SubdivisionCage wheel(std::uint32_t count) {
+  SubdivisionCage cage;
+  std::vector<Vec3f> points{{0, 0, 1}};
+  cage.face_sizes.assign(count, 3);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const double angle = 6.283185307179586 * i / count;
+    points.push_back({static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), 0});
+    for (const std::uint32_t corner : {0u, i + 1, (i + 1) % count + 1}) cage.face_vertices.push_back(corner);
+  }
+  cage.steps = {buffer_of(points)};
+  return cage;
+}
+
+/// One face of `count` corners, on the unit circle.
+inline SubdivisionCage disc(std::uint32_t count) {
+  const SubdivisionCage around = wheel(count);
+  SubdivisionCage cage;
+  cage.face_sizes = {count};
+  for (std::uint32_t i = 0; i < count; ++i) cage.face_vertices.push_back(i);
+  const auto points = around.steps[0].span();
+  cage.steps = {buffer_of({points.begin() + 1, points.end()})};
+  return cage;
+}
+
 }  // namespace stbvh::harness

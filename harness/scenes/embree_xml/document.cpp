@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <iterator>
 #include <system_error>
 
+#include "harness/files/input_file.h"
 #include "harness/scenes/cancellation.h"
 #include "harness/scenes/embree_xml/numbers.h"
 #include "harness/scenes/embree_xml/problem.h"
@@ -17,16 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kNumbersBetweenChecks = 4096;  // for cancellation
-
-std::string read_text(const fs::path& file) {
-  std::error_code error;
-  if (!fs::exists(file, error)) throw Problem("there is no such file");
-  if (!fs::is_regular_file(file, error)) throw Problem("it is not a regular file");
-  std::ifstream stream(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-  if (!stream.is_open() || stream.bad()) throw Problem("it cannot be read");
-  return text;
-}
 
 std::uint64_t count_attribute(pugi::xml_node node, const char* name) {
   const std::string_view text = node.attribute(name).value();
@@ -66,23 +56,25 @@ std::vector<float> float_attribute(pugi::xml_node node, const char* name, std::s
   return values;
 }
 
-Document::Document(const fs::path& file) : file_(file), text_(read_text(file)) {
+Document::Document(const fs::path& file) : file_(file), text_(read_whole_file(file, kMaxSceneTextBytes)) {
   const pugi::xml_parse_result result = xml_.load_buffer(text_.data(), text_.size());
+  is_utf8_ = result.encoding == pugi::encoding_utf8;
   if (result.status == pugi::status_out_of_memory) throw std::bad_alloc();
   if (!result) {
     std::string what = result.description();
     if (!what.empty())
       what.front() = static_cast<char>(std::tolower(static_cast<unsigned char>(what.front())));
-    throw Problem(fmt::format("it is not XML, at line {}: {}", line_at(result.offset), what));
+    throw Problem(fmt::format("it is not XML{}: {}", place(result.offset), what));
   }
   scene_ = xml_.document_element();
   if (std::string_view(scene_.name()) != "scene")
     fail(scene_, "its root element is <{}>, not <scene>", scene_.name());
 }
 
-std::size_t Document::line_at(std::ptrdiff_t offset) const {
+std::string Document::place(std::ptrdiff_t offset) const {
+  if (offset < 0 || !is_utf8_) return {};
   const auto end = text_.begin() + std::min(offset, static_cast<std::ptrdiff_t>(text_.size()));
-  return 1 + static_cast<std::size_t>(std::count(text_.begin(), end, '\n'));
+  return fmt::format(", line {}", 1 + std::count(text_.begin(), end, '\n'));
 }
 
 void Document::open_binary(pugi::xml_node array) {
@@ -93,11 +85,15 @@ void Document::open_binary(pugi::xml_node array) {
   appended += ".bin";
   std::error_code error;
   for (const fs::path& path : {beside, appended}) {
-    if (!fs::is_regular_file(path, error)) continue;
+    if (fs::status(path, error).type() == fs::file_type::not_found) continue;
+    try {
+      binary_size_ = input_file_size(path, kMaxSceneFileBytes);
+    } catch (const InputFileError& problem) {
+      fail(array, "\"{}\" {}", path.string(), problem.what());
+    }
     binary_path_ = path;
-    binary_size_ = fs::file_size(path, error);
     binary_.open(path, std::ios::binary);
-    if (!binary_.is_open() || error) throw Problem(fmt::format("\"{}\" cannot be read", path.string()));
+    if (!binary_.is_open()) fail(array, "\"{}\" cannot be opened", path.string());
     return;
   }
   fail(array, "its <{}> stands in a binary file, but there is neither \"{}\" nor \"{}\"", array.name(),
@@ -159,12 +155,8 @@ std::vector<std::uint32_t> Document::integers(pugi::xml_node array, std::size_t 
 VertexBuffer Document::positions(pugi::xml_node array) {
   const std::vector<float> values = floats(array, 3);
   VertexBuffer buffer(values.size() / 3);
-  for (std::size_t i = 0; i < buffer.size(); ++i) {
-    const Vec3f p{values[3 * i], values[3 * i + 1], values[3 * i + 2]};
-    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
-      fail(array, "vertex {} of its <{}> is not finite", i, array.name());
-    buffer[i] = p;
-  }
+  for (std::size_t i = 0; i < buffer.size(); ++i)
+    buffer[i] = {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
   return buffer;
 }
 

@@ -21,14 +21,14 @@ class Document {
 
   /// The element <scene>.
   pugi::xml_node scene() const { return scene_; }
-  /// Line, from 1, of a place in the file.
-  std::size_t line_at(std::ptrdiff_t offset) const;
+  /// ", line 3" for a byte of the file; nothing where that is negative, or the text is not UTF-8.
+  std::string place(std::ptrdiff_t offset) const;
 
   /// The numbers in `array`: its text, or `size` elements of `per_element` 4-byte numbers each from byte
   /// `ofs` of the binary file. Nothing where `array` is not there. Throws Problem, also for half an element.
   std::vector<float> floats(pugi::xml_node array, std::size_t per_element);
   std::vector<std::uint32_t> integers(pugi::xml_node array, std::size_t per_element);
-  /// Three floats for each vertex, all finite.
+  /// Three floats for each vertex, maybe not finite.
   VertexBuffer positions(pugi::xml_node array);
   /// Twelve floats for each map: the three columns of its matrix, then its translation. Only in binary.
   std::vector<Affine> affine_columns(pugi::xml_node array);
@@ -41,6 +41,7 @@ class Document {
 
   std::filesystem::path file_;
   std::string text_;
+  bool is_utf8_ = true;
   pugi::xml_document xml_;
   pugi::xml_node scene_;
   std::filesystem::path binary_path_;

@@ -3,22 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <fstream>
 #include <sstream>
 
+#include "harness/files/input_file.h"
 #include "harness/scenes/embree_xml/disc_light.h"
 #include "harness/scenes/embree_xml/numbers.h"
+#include "harness/scenes/reach.h"
 
 namespace stbvh::harness::embree_xml {
 namespace {
 
 std::deque<std::string> words_of(const std::filesystem::path& file) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) throw Problem("there is no such file");
-  std::ifstream stream(file);
-  if (!stream) throw Problem("it cannot be read");
+  std::istringstream lines(read_text_file(file, kMaxHandwrittenBytes));
   std::deque<std::string> words;
-  for (std::string line; std::getline(stream, line);) {
+  for (std::string line; std::getline(lines, line);) {
     line.resize(std::min(line.find('#'), line.size()));
     std::istringstream rest(line);
     for (std::string word; rest >> word;) words.push_back(word);
@@ -62,15 +60,15 @@ class Parser {
     } else if (name == "camera") {
       list_.camera_name = text(name);
     } else if (name == "vp") {
-      list_.position = vector(name);
+      list_.position = near_vector(name);
     } else if (name == "vi") {
-      list_.target = vector(name);
+      list_.target = near_vector(name);
       list_.direction.reset();
     } else if (name == "vd") {
-      list_.direction = vector(name);
+      list_.direction = near_vector(name);
       list_.target.reset();
     } else if (name == "vu") {
-      list_.up = vector(name);
+      list_.up = near_vector(name);
     } else if (name == "fov") {
       list_.vertical_fov_degrees = number(name);
       if (!(*list_.vertical_fov_degrees > 0 && *list_.vertical_fov_degrees < 180))
@@ -113,6 +111,12 @@ class Parser {
   Vec3f vector(const std::string& option) {
     const float x = number(option), y = number(option), z = number(option);
     return {x, y, z};
+  }
+
+  Vec3f near_vector(const std::string& option) {
+    const Vec3f v = vector(option);
+    if (!is_within_reach(to_double(v))) throw Problem(fmt::format("-{} is too far away", option));
+    return v;
   }
 
   std::filesystem::path folder_;

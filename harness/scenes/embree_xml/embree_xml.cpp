@@ -6,11 +6,14 @@
 #include <new>
 #include <set>
 
+#include "harness/files/input_file.h"
 #include "harness/scenes/embree_xml/ecs.h"
 #include "harness/scenes/embree_xml/node.h"
 #include "harness/scenes/embree_xml/problem.h"
 #include "harness/scenes/embree_xml/reader.h"
+#include "harness/scenes/finite_check.h"
 #include "harness/scenes/gltf/framing.h"
+#include "harness/scenes/obj/obj.h"
 
 namespace stbvh::harness {
 namespace embree_xml {
@@ -32,9 +35,34 @@ std::string lower_extension(const std::filesystem::path& file) {
   return extension;
 }
 
-Scene make_scene(FlatScene flat, const CommandList& list) {
+/// A moving mesh must be seen for this part of [0, 1], and its range be no longer than that: Debian's Embree
+/// aborts the process while it builds over others.
+constexpr float kLeastTimeSeen = 0x1p-10f, kLongestTimeRange = 16;
+
+bool is_seen(const Mesh& mesh) {
+  const TimeRange& range = mesh.time_range;
+  const float seen = std::min(range.end, 1.0f) - std::max(range.begin, 0.0f);
+  return mesh.is_static() || (seen >= kLeastTimeSeen && range.end - range.begin <= kLongestTimeRange);
+}
+
+void leave_out_unseen_meshes(Scene& scene, const Warn& warn) {
+  std::string names;
+  for (const Mesh& mesh : scene.meshes) {
+    if (!is_seen(mesh)) names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", mesh.name);
+  }
+  if (names.empty()) return;
+  std::erase_if(scene.meshes, [](const Mesh& mesh) { return !is_seen(mesh); });
+  warn(fmt::format(
+      "Meshes whose time range holds less than {} of [0, 1], or is longer than {}, are left out: {}.",
+      kLeastTimeSeen, kLongestTimeRange, names));
+}
+
+Scene make_scene(FlatScene flat, const CommandList& list, const std::filesystem::path& file,
+                 const Warn& warn) {
   Scene scene;
   scene.meshes = std::move(flat.meshes);
+  leave_out_invalid_triangles(scene, file, warn);
+  leave_out_unseen_meshes(scene, warn);
   if (scene.meshes.empty())
     throw Problem("nothing in it can be shown: there are no triangles, quads or cages");
   scene.directional_lights = std::move(flat.directional_lights);
@@ -52,6 +80,18 @@ Scene make_scene(FlatScene flat, const CommandList& list) {
   return scene;
 }
 
+void add_file(Node& root, const std::filesystem::path& file, const Warn& warn) {
+  const std::string extension = lower_extension(file);
+  if (extension == ".xml") {
+    add_child(root, read_file(file, warn));
+  } else if (extension == ".obj") {
+    for (Mesh& mesh : load_obj(file.string(), warn).meshes) add_child(root, make_leaf(std::move(mesh)));
+  } else {
+    throw Problem(
+        fmt::format("\"{}\" is neither an .xml nor an .obj file; no others are supported", file.string()));
+  }
+}
+
 Scene load(const std::filesystem::path& file, const Warn& warn) {
   CommandList list;
   if (lower_extension(file) == ".ecs") {
@@ -60,12 +100,8 @@ Scene load(const std::filesystem::path& file, const Warn& warn) {
     list.scene_files = {file};
   }
   Node root;
-  for (const std::filesystem::path& scene_file : list.scene_files) {
-    if (lower_extension(scene_file) != ".xml")
-      throw Problem(fmt::format("\"{}\" is not an .xml file; no others are supported", scene_file.string()));
-    add_child(root, read_file(scene_file, warn));
-  }
-  Scene scene = make_scene(flatten(root), list);
+  for (const std::filesystem::path& scene_file : list.scene_files) add_file(root, scene_file, warn);
+  Scene scene = make_scene(flatten(root), list, file, warn);
   scene.name = file.stem().string();
   return scene;
 }
@@ -82,6 +118,8 @@ Scene load_embree_xml(const std::filesystem::path& file, const SceneWarning& war
     return embree_xml::load(file, once);
   } catch (const embree_xml::Problem& problem) {
     throw SceneFileError(fmt::format("{}: {}", file.string(), problem.what()));
+  } catch (const InputFileError& problem) {
+    throw SceneFileError(fmt::format("{}: it {}", file.string(), problem.what()));
   } catch (const std::bad_alloc&) {
     throw SceneFileError(fmt::format("{}: there is not enough memory for it", file.string()));
   }

@@ -2,16 +2,11 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
-#include <string>
 
 #include "harness/scenes/scene.h"
 #include "harness/scenes/scene_file.h"
 
 namespace stbvh::harness {
-
-/// Told a sentence for each thing that a scene is read without, or otherwise than Embree's tools show it.
-using SceneWarning = std::function<void(const std::string& sentence)>;
 
 /// Reads an .xml file, and the .bin file that its arrays may stand in; or an .ecs file, a list of
 /// command-line options of Embree's tools, of which those for scene, camera and lights count. Each mesh is

@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <numeric>
 
 #include "harness/scenes/cancellation.h"
 #include "harness/scenes/embree_xml/node.h"
 #include "harness/scenes/embree_xml/problem.h"
+#include "harness/scenes/reach.h"
 #include "harness/scenes/scene_file.h"
 
 namespace stbvh::harness::embree_xml {
@@ -77,21 +77,19 @@ Placement composed(const Placement& parent, const Transform& child) {
   return result;
 }
 
-/// Positions of one step: `mesh` between its own steps, mapped. False: one is not finite as a float.
-bool place_step(const Mesh& mesh, Between at, const Affine& map, VertexBuffer& result) {
+/// Positions of one step: `mesh` between its own steps, mapped; infinite beyond a float's range.
+VertexBuffer placed_step(const Mesh& mesh, Between at, const Affine& map) {
   const VertexBuffer& from = mesh.steps[at.key];
   const VertexBuffer& to = mesh.steps[at.fraction == 0 ? at.key : at.key + 1];
   const auto lerp = [&](float a, float b) {
     return (1 - at.fraction) * static_cast<double>(a) + at.fraction * static_cast<double>(b);
   };
-  constexpr double kLargest = std::numeric_limits<float>::max();
-  bool is_finite = true;
+  VertexBuffer result(from.size());
   for (std::size_t i = 0; i < from.size(); ++i) {
     const auto p = map.apply({lerp(from[i].x, to[i].x), lerp(from[i].y, to[i].y), lerp(from[i].z, to[i].z)});
-    for (const double x : p) is_finite = is_finite && std::abs(x) <= kLargest;
-    if (is_finite) result[i] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+    result[i] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
   }
-  return is_finite;
+  return result;
 }
 
 /// The time range of a mesh that a moving placement is over.
@@ -139,24 +137,21 @@ class Flattener {
     placed.material = mesh.material;
     placed.time_range = placement.moves() ? time_range_of(mesh, placement) : mesh.time_range;
     placed.steps.resize(steps);
-    std::vector<char> finite(steps);
     for_all(steps, [&](std::size_t i) {
-      placed.steps[i] = VertexBuffer(mesh.steps.front().size());
       const Affine map = interpolated(placement.keys, key_at(i, steps, placement.keys.size()));
-      finite[i] = place_step(mesh, key_at(i, steps, mesh.steps.size()), map, placed.steps[i]);
+      placed.steps[i] = placed_step(mesh, key_at(i, steps, mesh.steps.size()), map);
     });
-    if (std::find(finite.begin(), finite.end(), 0) != finite.end())
-      throw Problem(fmt::format("a transform moves the mesh \"{}\" further than a float can say", mesh.name));
   }
 
+  /// `is_point`: 1, or 0 for a direction.
   static Vec3f mapped(Vec3f v, const Placement& placement, double is_point) {
     if (placement.keys.empty()) return v;
     const std::array<std::array<double, 4>, 3>& m = placement.keys.front().row;
     const auto row = [&](std::size_t i) {
       const double sum = m[i][0] * static_cast<double>(v.x) + m[i][1] * static_cast<double>(v.y) +
                          m[i][2] * static_cast<double>(v.z) + m[i][3] * is_point;
-      if (!(std::abs(sum) <= std::numeric_limits<float>::max()))
-        throw Problem("a transform moves a light or a camera further than a float can say");
+      if (is_point != 0 ? !is_within_reach(sum) : !std::isfinite(static_cast<float>(sum)))
+        throw Problem("a transform moves a light or a camera too far away");
       return static_cast<float>(sum);
     };
     return {row(0), row(1), row(2)};

@@ -6,6 +6,7 @@
 
 #include "harness/scenes/embree_xml/document.h"
 #include "harness/scenes/embree_xml/numbers.h"
+#include "harness/scenes/obj/mtl_file.h"
 
 namespace stbvh::harness::embree_xml {
 namespace {
@@ -17,7 +18,7 @@ class Parameters {
     for (const pugi::xml_node entry : element.children()) {
       if (entry.type() != pugi::node_element) continue;
       if (std::string_view(entry.name()).starts_with("texture")) {
-        warn("Textures are left out: materials have the same color everywhere.");
+        warn(kTexturesLeftOut);
         continue;
       }
       const std::string text = text_of(entry);
@@ -51,44 +52,18 @@ class Parameters {
 constexpr Vec3f kWhite{1, 1, 1};
 constexpr Vec3f kBlack{0, 0, 0};
 
-float largest(Vec3f color) {
-  return std::max({color.x, color.y, color.z});
-}
-
-/// Reflectances and transmittances are within [0, 1] in our materials.
-Vec3f clamped(Vec3f color) {
-  const auto channel = [](float x) { return std::clamp(x, 0.0f, 1.0f); };
-  return {channel(color.x), channel(color.y), channel(color.z)};
-}
-
-/// The index at which a smooth dielectric reflects `share` of the light from straight ahead (Fresnel).
-float index_reflecting(float share) {
-  const float root = std::sqrt(std::clamp(share, 0.0f, 0.9f));
-  return (1 + root) / (1 - root);
-}
-
-/// Of a microfacet distribution as wide as Blinn's with this exponent (Walter et al. 2007, section 5.2).
-float roughness_of(float exponent) {
-  return std::clamp(std::sqrt(2 / (std::max(exponent, 0.0f) + 2)), 0.0f, 1.0f);
-}
-
 Material read_obj(const Parameters& parameters, bool is_lower_case, const Warn& warn) {
-  Material material;
-  material.color = clamped(parameters.color(is_lower_case ? "kd" : "Kd", kWhite));
-  if (parameters.number("d", 1) != 1) warn("OBJ materials with d below 1 are read as opaque.");
-  const Vec3f specular = parameters.color(is_lower_case ? "ks" : "Ks", kBlack);
-  if (largest(specular) <= 0) return material;
-  material.kind = Material::Kind::kGlossy;
-  material.index_of_refraction = index_reflecting(largest(specular));
-  material.roughness = roughness_of(parameters.number(is_lower_case ? "ns" : "Ns", 10));
-  return material;
+  if (parameters.number("d", 1) != 1) warn(kReadAsOpaque);
+  return obj_material(parameters.color(is_lower_case ? "kd" : "Kd", kWhite),
+                      parameters.color(is_lower_case ? "ks" : "Ks", kBlack),
+                      parameters.number(is_lower_case ? "ns" : "Ns", 10));
 }
 
 Material make(Material::Kind kind, Vec3f color, float index = Material{}.index_of_refraction,
               float roughness = Material{}.roughness) {
   Material material;
   material.kind = kind;
-  material.color = clamped(color);
+  material.color = clamped_reflectance(color);
   material.index_of_refraction = index;
   material.roughness = std::clamp(roughness, 0.0f, 1.0f);
   return material;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "harness/scenes/reach.h"
 #include "harness/scenes/subdivision/subdivision.h"
 
 namespace stbvh::harness::embree_xml {
@@ -50,8 +51,7 @@ Mesh lamp(Document& document, pugi::xml_node element, std::vector<std::uint32_t>
     const auto p = space.apply(corners[i]);
     step[i] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
     for (const double x : p) {
-      if (!(std::abs(x) <= static_cast<double>(kMaxCoordinate)))
-        fail(element, "a <{}> is too far away", element.name());
+      if (!is_within_reach(x)) fail(element, "a <{}> is too far away", element.name());
     }
   }
   mesh.material.color = {0, 0, 0};

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <optional>
 #include <string_view>
 #include <system_error>
@@ -29,7 +28,8 @@ class Words {
   std::string_view rest_;
 };
 
-/// A whole word as a number, with a sign if there is one; floats may be "inf" and "nan", too.
+/// A whole word as a number, with a sign if there is one; floats may be "inf" and "nan", too, and are
+/// infinite beyond their range.
 template <class T>
 std::optional<T> parse_number(std::string_view word) {
   if (word.starts_with('+') && !word.starts_with("+-")) word.remove_prefix(1);
@@ -37,10 +37,10 @@ std::optional<T> parse_number(std::string_view word) {
   const char* const last = word.data() + word.size();
   auto [end, error] = std::from_chars(word.data(), last, value);
   if constexpr (std::is_same_v<T, float>) {
-    if (error == std::errc::result_out_of_range) {  // too small or too large: what double makes of it
+    if (error == std::errc::result_out_of_range) {  // too small, or too large and so infinite
       double wide = 0;
       const auto [wide_end, wide_error] = std::from_chars(word.data(), last, wide);
-      if (wide_error == std::errc() && std::abs(wide) < 1) {
+      if (wide_error == std::errc()) {
         value = static_cast<float>(wide);
         end = wide_end;
         error = std::errc();

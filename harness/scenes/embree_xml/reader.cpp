@@ -5,11 +5,13 @@
 #include <new>
 #include <string_view>
 
+#include "harness/files/input_file.h"
 #include "harness/scenes/cancellation.h"
 #include "harness/scenes/embree_xml/disc_light.h"
 #include "harness/scenes/embree_xml/document.h"
 #include "harness/scenes/embree_xml/material.h"
 #include "harness/scenes/embree_xml/mesh_reader.h"
+#include "harness/scenes/reach.h"
 #include "harness/scenes/scene_file.h"
 
 namespace stbvh::harness::embree_xml {
@@ -37,11 +39,11 @@ class Reader {
   /// A node, or null where there is nothing to show.
   NodePtr read(pugi::xml_node element) {
     const std::string_view name = element.name();
-    if (name == "assign") return read_assignment(element);
     if (name == "ref") return referenced(element);
     if (++depth_ > kMaxDepth) fail(element, "its elements are nested more than {} deep", kMaxDepth);
-    const NodePtr node = read_named(element, name);
+    const NodePtr node = name == "assign" ? read_assignment(element) : read_named(element, name);
     --depth_;
+    if (name == "assign") return node;  // its id is that of what stands in it
     if (const std::string id = element.attribute("id").value(); !id.empty()) by_id_[id] = node;
     return node;
   }
@@ -201,8 +203,11 @@ class Reader {
 
   NodePtr camera(pugi::xml_node element) {
     const auto point = [&](const char* name) {
-      const std::vector<float> p = float_attribute(element, name, 3);
-      return Vec3f{p[0], p[1], p[2]};
+      const std::vector<float> values = float_attribute(element, name, 3);
+      const Vec3f p{values[0], values[1], values[2]};
+      if (!is_within_reach(to_double(p)))
+        fail(element, "the {} of a <PerspectiveCamera> is too far away", name);
+      return p;
     };
     const float fov = float_attribute(element, "fov", 1)[0];
     if (!(fov > 0 && fov < 180)) fail(element, "a <PerspectiveCamera> has a fov of {} degrees", fov);
@@ -236,12 +241,11 @@ NodePtr read_file(const std::filesystem::path& file, const Warn& warn) {
       document.emplace(file);
       return Reader(file, *document, warn).read_scene();
     } catch (const Problem& problem) {
-      if (problem.offset < 0 || !document) throw;
-      throw SceneFileError(
-          fmt::format("{}, line {}: {}", name, document->line_at(problem.offset), problem.what()));
+      const std::string place = document ? document->place(problem.offset) : "";
+      throw SceneFileError(fmt::format("{}{}: {}", name, place, problem.what()));
     }
-  } catch (const Problem& problem) {
-    throw SceneFileError(fmt::format("{}: {}", name, problem.what()));
+  } catch (const InputFileError& problem) {
+    throw SceneFileError(fmt::format("{}: it {}", name, problem.what()));
   } catch (const std::bad_alloc&) {
     throw SceneFileError(fmt::format("{}: there is not enough memory for it", name));
   }

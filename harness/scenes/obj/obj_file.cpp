@@ -3,70 +3,20 @@
 #include <fmt/format.h>
 
 #include <charconv>
-#include <cmath>
-#include <fstream>
+#include <cstdlib>
 #include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
 
+#include "harness/files/input_file.h"
 #include "harness/scenes/cancellation.h"
+#include "harness/scenes/obj/obj_lines.h"
 
 namespace stbvh::harness {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r\v\f";
 constexpr std::size_t kMostVertices = std::numeric_limits<std::uint32_t>::max();
-
-/// Hands out the lines of a text, continued ones joined, without comments.
-class Lines {
- public:
-  explicit Lines(std::string_view text) : rest_(text) {}
-
-  /// False at the end. The line lasts until the next call.
-  bool next(std::string_view& line) {
-    if (rest_.empty()) return false;
-    number_ = next_number_;
-    line = physical_line();
-    if (!is_continued(line)) return true;
-    joined_.clear();
-    while (is_continued(line)) {
-      joined_ += line.substr(0, line.size() - 1);
-      joined_ += ' ';
-      line = physical_line();
-    }
-    joined_ += line;
-    line = joined_;
-    return true;
-  }
-  /// Of the line, counted from 1; of a continued one, its first.
-  std::size_t number() const { return number_; }
-
- private:
-  static bool is_continued(std::string_view line) { return !line.empty() && line.back() == '\\'; }
-
-  std::string_view physical_line() {
-    const std::size_t end = std::min(rest_.find('\n'), rest_.size());
-    std::string_view line = rest_.substr(0, end);
-    rest_.remove_prefix(std::min(end + 1, rest_.size()));
-    ++next_number_;
-    line = line.substr(0, line.find('#'));
-    const std::size_t last = line.find_last_not_of(kBlanks);
-    return line.substr(0, last == std::string_view::npos ? 0 : last + 1);
-  }
-
-  std::string_view rest_;
-  std::string joined_;
-  std::size_t number_ = 0, next_number_ = 1;
-};
-
-/// Takes the first word off `line`; empty at its end.
-std::string_view take_word(std::string_view& line) {
-  line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
-  const std::string_view word = line.substr(0, line.find_first_of(kBlanks));
-  line.remove_prefix(word.size());
-  return word;
-}
 
 class Parser {
  public:
@@ -79,8 +29,10 @@ class Parser {
       const std::string_view keyword = take_word(line);
       if (keyword == "v") add_position(line);
       if (keyword == "f") add_face(line);
+      if (keyword == "usemtl") use_material(line);
+      if (keyword == "mtllib") result_.material_libraries.emplace_back(without_leading_blanks(line));
     }
-    if (result_.indices.empty()) throw SceneFileError(fmt::format("{}: it has no faces", file_.string()));
+    if (result_.face_sizes.empty()) throw SceneFileError(fmt::format("{}: it has no faces", file_.string()));
     if (needed_ > result_.positions.size()) {
       throw SceneFileError(fmt::format("{}: line {}: vertex {} is meant, but there are only {}",
                                        file_.string(), needed_line_, needed_, result_.positions.size()));
@@ -95,14 +47,14 @@ class Parser {
                                      fmt::format(text, std::forward<Args>(args)...)));
   }
 
+  /// A number beyond a float's range is infinite, as in C.
   float read_number(std::string_view word) const {
     double value = 0;
     const std::string_view digits = word.substr(word.starts_with('+') ? 1 : 0);
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (end != digits.data() + digits.size() || error == std::errc::invalid_argument)
       fail("\"{}\" is not a number", word);
-    if (error != std::errc() || !(std::abs(value) <= double{std::numeric_limits<float>::max()}))
-      fail("\"{}\" is not a number that a float can hold", word);
+    if (error == std::errc::result_out_of_range) value = std::strtod(std::string(digits).c_str(), nullptr);
     return static_cast<float>(value);
   }
 
@@ -140,44 +92,31 @@ class Parser {
   }
 
   void add_face(std::string_view line) {
-    std::size_t count = 0;
-    std::uint32_t first = 0, last = 0;
-    for (std::string_view word = take_word(line); !word.empty(); word = take_word(line)) {
-      const std::uint32_t corner = read_corner(word);
-      if (count == 0) first = corner;
-      if (count >= 2) result_.indices.insert(result_.indices.end(), {first, last, corner});
-      last = corner;
-      ++count;
-    }
+    std::uint32_t count = 0;
+    for (std::string_view word = take_word(line); !word.empty(); word = take_word(line), ++count)
+      result_.corners.push_back(read_corner(word));
     if (count < 3) fail("a face has {} corners, but at least 3 are needed", count);
+    result_.face_sizes.push_back(count);
+  }
+
+  void use_material(std::string_view line) {
+    result_.material_runs.push_back({result_.face_sizes.size(), std::string(without_leading_blanks(line))});
   }
 
   const std::filesystem::path& file_;
-  Lines lines_;
+  ObjLines lines_;
   ObjFile result_;
   std::size_t needed_ = 0, needed_line_ = 0;  ///< vertices, and the line that needs so many
 };
 
-std::string read_text(const std::filesystem::path& file) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error))
-    throw SceneFileError(fmt::format("{}: it is not a regular file", file.string()));
-  const std::uintmax_t size = std::filesystem::file_size(file, error);
-  std::ifstream stream(file, std::ios::binary);
-  if (error || !stream) throw SceneFileError(fmt::format("{}: it cannot be opened", file.string()));
-  if (size > kMaxSceneFileBytes)
-    throw SceneFileError(fmt::format("{}: it has more than {} GB", file.string(), kMaxSceneFileBytes >> 30));
-  std::string text(static_cast<std::size_t>(size), '\0');
-  stream.read(text.data(), static_cast<std::streamsize>(size));
-  if (!stream) throw SceneFileError(fmt::format("{}: it cannot be read", file.string()));
-  return text;
-}
-
 }  // namespace
 
 ObjFile read_obj_file(const std::filesystem::path& file) {
-  const std::string text = read_text(file);
-  return Parser(file, text).run();
+  try {
+    return Parser(file, read_text_file(file, kMaxSceneTextBytes)).run();
+  } catch (const InputFileError& error) {
+    throw SceneFileError(fmt::format("{}: it {}", file.string(), error.what()));
+  }
 }
 
 }  // namespace stbvh::harness

@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
-#include <new>
+#include <cstdint>
 #include <optional>
+#include <regex>
+#include <string_view>
 #include <utility>
 
-#include "harness/scenes/gltf/framing.h"
-#include "harness/scenes/obj/obj_file.h"
+#include "harness/scenes/scene.h"
 
 namespace stbvh::harness {
 namespace {
@@ -21,7 +22,7 @@ namespace fs = std::filesystem;
 struct NumberedFile {
   fs::path path;
   std::string before, after;
-  std::size_t number = 0;
+  std::int64_t number = 0;
 };
 
 template <class... Args>
@@ -33,59 +34,83 @@ bool is_digit(char c) {
   return c >= '0' && c <= '9';
 }
 
-bool has_obj_extension(const fs::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return extension == ".obj";
+bool is_alphanumeric(char c) {
+  return std::isalnum(static_cast<unsigned char>(c)) != 0;
 }
 
-std::optional<std::size_t> read_number(const std::string& digits) {
-  std::size_t number = 0;
+std::string lower(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+bool has_obj_extension(const fs::path& path) {
+  return lower(path.extension().string()) == ".obj";
+}
+
+bool is_hidden(const fs::path& path) {
+  return path.filename().string().starts_with('.');
+}
+
+std::optional<std::int64_t> read_number(std::string_view digits) {
+  std::int64_t number = 0;
   const char* const end = digits.data() + digits.size();
   const auto [stopped, error] = std::from_chars(digits.data(), end, number);
   if (error != std::errc() || stopped != end) return std::nullopt;
   return number;
 }
 
-/// Cut at the last number of the stem; nothing if there is none that fits.
+/// Cut at the last number of the stem; nothing if there is none that fits. A dash is its sign where no letter
+/// or digit stands before it: "w_-1", but not "walk-1".
 std::optional<NumberedFile> cut_at_number(const fs::path& path) {
   const std::string stem = path.stem().string();
   std::size_t end = stem.size();
   while (end > 0 && !is_digit(stem[end - 1])) --end;
   std::size_t begin = end;
   while (begin > 0 && is_digit(stem[begin - 1])) --begin;
-  const auto number = read_number(stem.substr(begin, end - begin));
+  if (begin > 0 && stem[begin - 1] == '-' && (begin == 1 || !is_alphanumeric(stem[begin - 2]))) --begin;
+  const auto number = read_number(std::string_view(stem).substr(begin, end - begin));
   if (!number) return std::nullopt;
   return NumberedFile{path, stem.substr(0, begin), stem.substr(end), *number};
 }
 
-/// "walk_%04d.obj" as the text before and after the number and the number's least width.
+const std::regex& number_pattern() {
+  static const std::regex pattern(R"(%[0-9]{0,3}d|#+|\$F[0-9]{0,3})");
+  return pattern;
+}
+
+/// "walk_%04d.obj" as the text before and after the number. Its width does not matter: what is there in two
+/// widths has the same number twice.
 struct Pattern {
   std::string before, after;
-  std::size_t width = 0;
-  char fill = ' ';
 
   explicit Pattern(const std::string& name) {
-    const std::size_t percent = name.find('%');
-    std::size_t end = percent + 1;
-    while (end < name.size() && is_digit(name[end])) ++end;
-    const std::string width_digits = name.substr(percent + 1, end - percent - 1);
-    const bool is_sound = end < name.size() && name[end] == 'd' && width_digits.size() <= 3;
-    if (!is_sound || name.find('%', end) != std::string::npos)
-      fail("{}: a sequence has one number in its name, as in walk_%04d.obj", name);
-    before = name.substr(0, percent);
-    after = name.substr(end + 1);
-    if (width_digits.starts_with('0')) fill = '0';
-    if (!width_digits.empty()) width = read_number(width_digits).value_or(0);
+    std::smatch match;
+    const bool is_found = std::regex_search(name, match, number_pattern());
+    before = match.prefix();
+    after = match.suffix();
+    if (!is_found || (before + after).find('%') != std::string::npos ||
+        std::regex_search(after, number_pattern())) {
+      fail("{}: a sequence has one number in its name, as in walk_%04d.obj, walk_####.obj or walk_$F4.obj",
+           name);
+    }
   }
 
-  std::string file_name(std::size_t number) const {
-    std::string digits = std::to_string(number);
-    if (digits.size() < width) digits.insert(0, width - digits.size(), fill);
-    return before + digits + after;
+  /// What stands in the place of the number; nothing where the name is of another kind. The case of letters
+  /// behind the number does not matter, as extensions are written in both.
+  std::optional<std::string> number_in(const std::string& file) const {
+    if (file.size() <= before.size() + after.size() || !file.starts_with(before)) return std::nullopt;
+    const std::size_t end = file.size() - after.size();
+    if (lower(file.substr(end)) != lower(after)) return std::nullopt;
+    const std::string text = file.substr(before.size(), end - before.size());
+    return text.substr(std::min(text.find_first_not_of(' '), text.size() - 1));
   }
 };
+
+bool begins_as_number(std::string_view text) {
+  if (text.starts_with('-') || text.starts_with('+')) text.remove_prefix(1);
+  return !text.empty() && is_digit(text.front());
+}
 
 std::vector<fs::path> list_folder(const fs::path& folder) {
   std::vector<fs::path> files;
@@ -103,23 +128,31 @@ std::vector<NumberedFile> files_of_pattern(const fs::path& name) {
   const Pattern pattern(name.filename().string());
   std::vector<NumberedFile> files;
   for (const fs::path& path : list_folder(name.parent_path())) {
-    const std::string file = path.filename().string();
-    if (file.size() <= pattern.before.size() + pattern.after.size() || !file.starts_with(pattern.before))
-      continue;
-    std::string digits =
-        file.substr(pattern.before.size(), file.size() - pattern.before.size() - pattern.after.size());
-    digits.erase(0, std::min(digits.find_first_not_of(' '), digits.size()));
-    const auto number = read_number(digits);
-    if (number && pattern.file_name(*number) == file)
-      files.push_back({path, pattern.before, pattern.after, *number});
+    const auto text = pattern.number_in(path.filename().string());
+    if (!text || !begins_as_number(*text)) continue;
+    const auto number = read_number(*text);
+    if (!number) fail("{}: \"{}\" stands in its name where a number should", path.string(), *text);
+    files.push_back({path, pattern.before, pattern.after, *number});
   }
   if (files.empty()) fail("{}: there is no such file", name.string());
   return files;
 }
 
-std::vector<NumberedFile> files_of_folder(const fs::path& folder) {
+/// Takes the hidden files out, such as those that macOS leaves beside others.
+void leave_out_hidden(std::vector<fs::path>& paths, const fs::path& folder, const SceneWarning& warn) {
+  std::string names;
+  for (const fs::path& path : paths) {
+    if (is_hidden(path)) names += (names.empty() ? "" : ", ") + path.filename().string();
+  }
+  if (names.empty()) return;
+  std::erase_if(paths, is_hidden);
+  if (warn) warn(fmt::format("{}: hidden files are left out: {}", folder.string(), names));
+}
+
+std::vector<NumberedFile> files_of_folder(const fs::path& folder, const SceneWarning& warn) {
   std::vector<fs::path> paths = list_folder(folder);
   std::erase_if(paths, [](const fs::path& path) { return !has_obj_extension(path); });
+  leave_out_hidden(paths, folder, warn);
   if (paths.empty()) fail("{}: the folder has no .obj files", folder.string());
   if (paths.size() == 1) return {{paths[0], {}, {}, 0}};
   std::vector<NumberedFile> files;
@@ -134,60 +167,58 @@ std::vector<NumberedFile> files_of_folder(const fs::path& folder) {
   return files;
 }
 
-/// Refuses gaps and what is there twice.
-void check_numbers(const std::vector<NumberedFile>& files, const std::string& name) {
+std::uint64_t distance(std::int64_t from, std::int64_t to) {
+  return static_cast<std::uint64_t>(to) - static_cast<std::uint64_t>(from);
+}
+
+/// The step of a sequence in which all numbers are as far from the next one, for people who did not know of
+/// it.
+std::string step_hint(const std::vector<NumberedFile>& files) {
+  const std::uint64_t step = distance(files[0].number, files[1].number);
+  for (std::size_t i = 1; i < files.size(); ++i) {
+    if (distance(files[i - 1].number, files[i].number) != step) return {};
+  }
+  return fmt::format(" (with --step {} the numbers go up by {})", step, step);
+}
+
+/// Refuses gaps and what is there twice, or between.
+void check_numbers(const std::vector<NumberedFile>& files, const std::string& name, std::size_t step) {
   if (files.size() > kMaxSteps)
     fail("{}: there are {} files, but at most {} steps are possible", name, files.size(), kMaxSteps);
   for (std::size_t i = 1; i < files.size(); ++i) {
-    if (files[i].number == files[i - 1].number)
-      fail("{} and {} have the same number", files[i - 1].path.string(), files[i].path.string());
-    if (files[i].number != files[i - 1].number + 1) {
-      fail("{}: number {} of the sequence is missing, between {} and {}", name, files[i - 1].number + 1,
-           files[i - 1].path.filename().string(), files[i].path.filename().string());
+    const NumberedFile &last = files[i - 1], &file = files[i];
+    const std::uint64_t apart = distance(last.number, file.number);
+    if (apart == 0) fail("{} and {} have the same number", last.path.string(), file.path.string());
+    if (apart < step)
+      fail("{}: its number is only {} more than that of {}, not {}", file.path.string(), apart,
+           last.path.filename().string(), step);
+    if (apart > step) {
+      fail("{}: number {} of the sequence is missing, between {} and {}{}", name,
+           last.number + static_cast<std::int64_t>(step), last.path.filename().string(),
+           file.path.filename().string(), step_hint(files));
     }
   }
 }
 
-void check_same_topology(const fs::path& path, const ObjFile& file, const fs::path& first_path,
-                         std::size_t vertices, const std::vector<std::uint32_t>& indices) {
-  if (file.positions.size() != vertices) {
-    fail("{}: it has {} vertices, but {} has {}", path.string(), file.positions.size(), first_path.string(),
-         vertices);
-  }
-  if (file.indices.size() != indices.size()) {
-    fail("{}: it has {} triangles, but {} has {}", path.string(), file.indices.size() / 3,
-         first_path.string(), indices.size() / 3);
-  }
-  const auto differs = std::mismatch(indices.begin(), indices.end(), file.indices.begin()).first;
-  if (differs != indices.end()) {
-    fail("{}: its triangle {} has other vertices than in {}", path.string(), (differs - indices.begin()) / 3,
-         first_path.string());
-  }
-}
-
-Scene load(const std::string& name) {
-  const std::vector<fs::path> files = find_obj_files(name);
-  Mesh mesh;
-  mesh.name = obj_scene_name(name);
-  for (const fs::path& path : files) {
-    ObjFile file = read_obj_file(path);
-    if (mesh.steps.empty())
-      mesh.indices = std::move(file.indices);
-    else
-      check_same_topology(path, file, files[0], mesh.steps[0].size(), mesh.indices);
-    if (file.positions.size() * sizeof(Vec3f) * files.size() > kMaxSceneFileBytes)
-      fail("{}: its vertices need more than {} GB", name, kMaxSceneFileBytes >> 30);
-    VertexBuffer& step = mesh.steps.emplace_back(file.positions.size());
-    std::copy(file.positions.begin(), file.positions.end(), step.data());
-  }
-  Scene scene;
-  scene.name = mesh.name;
-  scene.meshes.push_back(std::move(mesh));
-  scene.camera = gltf::framing_camera(scene);
-  return scene;
-}
-
 }  // namespace
+
+std::vector<fs::path> find_obj_files(const std::string& name, const SceneWarning& warn,
+                                     std::size_t number_step) {
+  std::error_code unreachable;  // what is wrong with it then, the reader of files says
+  const fs::file_status status = fs::status(name, unreachable);
+  const std::string file_name = fs::path(name).filename().string();
+  const bool is_there = status.type() != fs::file_type::not_found;
+  if (is_there && !fs::is_directory(status)) return {name};
+  if (!is_there && file_name.find_first_of("%#$") == std::string::npos)
+    fail("{}: there is no such file", name);
+  std::vector<NumberedFile> numbered = is_there ? files_of_folder(name, warn) : files_of_pattern(name);
+  std::stable_sort(numbered.begin(), numbered.end(),
+                   [](const NumberedFile& a, const NumberedFile& b) { return a.number < b.number; });
+  check_numbers(numbered, name, number_step);
+  std::vector<fs::path> files;
+  for (NumberedFile& file : numbered) files.push_back(std::move(file.path));
+  return files;
+}
 
 bool is_obj_name(const std::string& name) {
   std::error_code ignored;
@@ -198,34 +229,11 @@ std::string obj_scene_name(const std::string& name) {
   fs::path path(name);
   if (!has_obj_extension(path) && !path.has_filename()) path = path.parent_path();  // "folder/"
   std::string stem = has_obj_extension(path) ? path.stem().string() : path.filename().string();
-  stem = stem.substr(0, stem.find('%'));
+  std::smatch number;
+  if (std::regex_search(stem, number, number_pattern())) stem = number.prefix().str();
   while (!stem.empty() && std::string_view("_-. ").find(stem.back()) != std::string_view::npos)
     stem.pop_back();
   return stem.empty() ? "obj" : stem;
-}
-
-std::vector<fs::path> find_obj_files(const std::string& name) {
-  std::error_code ignored;
-  const bool is_folder = fs::is_directory(name, ignored);
-  if (!is_folder && fs::path(name).filename().string().find('%') == std::string::npos) {
-    if (!fs::exists(name, ignored)) fail("{}: there is no such file", name);
-    return {name};
-  }
-  std::vector<NumberedFile> numbered = is_folder ? files_of_folder(name) : files_of_pattern(name);
-  std::stable_sort(numbered.begin(), numbered.end(),
-                   [](const NumberedFile& a, const NumberedFile& b) { return a.number < b.number; });
-  check_numbers(numbered, name);
-  std::vector<fs::path> files;
-  for (NumberedFile& file : numbered) files.push_back(std::move(file.path));
-  return files;
-}
-
-Scene load_obj(const std::string& name) {
-  try {
-    return load(name);
-  } catch (const std::bad_alloc&) {
-    fail("{}: there is not enough memory for it", name);
-  }
 }
 
 }  // namespace stbvh::harness

@@ -2,7 +2,6 @@
 
 #include <opensubdiv/far/error.h>
 #include <opensubdiv/far/primvarRefiner.h>
-#include <opensubdiv/far/stencilTableFactory.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 
 #include <algorithm>
@@ -11,6 +10,7 @@
 
 #include "harness/scenes/cancellation.h"
 #include "harness/scenes/subdivision/cage_check.h"
+#include "harness/scenes/subdivision/weight_recorder.h"
 
 namespace stbvh::harness::subdivision {
 namespace {
@@ -95,61 +95,23 @@ Refiner make_refiner(const SubdivisionCage& cage) {
   return refiner;
 }
 
-/// The refined vertices by the cage's, worked out at once through all levels.
-WeightedSums refined_sums(const Far::TopologyRefiner& refiner) {
-  using Table = Far::StencilTableReal<double>;
-  using Factory = Far::StencilTableFactoryReal<double>;
-  Factory::Options options;
-  options.generateIntermediateLevels = false;
-  const std::unique_ptr<const Table> table(Factory::Create(refiner, options));
-  WeightedSums sums;
-  sums.first.reserve(table->GetSizes().size() + 1);
-  for (const int size : table->GetSizes()) {
-    sums.first.push_back(sums.first.back() + static_cast<std::size_t>(size));
-  }
-  sums.columns.assign(table->GetControlIndices().begin(), table->GetControlIndices().end());
-  sums.weights = table->GetWeights();
-  return sums;
-}
-
-/// What Far::PrimvarRefiner takes for values that it moves to the limit: it writes down the weights. Vertices
-/// are moved in ascending order, those that are not asked for are passed over.
-class LimitRecorder {
- public:
-  explicit LimitRecorder(const std::vector<bool>& is_used) : is_used_(is_used) {}
-
-  LimitRecorder& operator[](int vertex) {
-    vertex_ = static_cast<std::size_t>(vertex);
-    return *this;
-  }
-  void Clear() { end_row(vertex_); }
-  void AddWithWeight(std::uint32_t column, double weight) {
-    if (!is_used_[vertex_] || weight == 0) return;
-    sums_.columns.push_back(column);
-    sums_.weights.push_back(weight);
-  }
-  WeightedSums take() {
-    end_row(is_used_.size());
-    return std::move(sums_);
-  }
-
- private:
-  /// Closes the row of the last vertex that was asked for, before `next` begins.
-  void end_row(std::size_t next) {
-    if (is_open_) sums_.first.push_back(sums_.columns.size());
-    is_open_ = next < is_used_.size() && is_used_[next];
-  }
-
-  const std::vector<bool>& is_used_;
-  WeightedSums sums_;
-  std::size_t vertex_ = 0;
-  bool is_open_ = false;
-};
-
 /// Vertex i is i.
 struct OwnIndex {
-  std::uint32_t operator[](int vertex) const { return static_cast<std::uint32_t>(vertex); }
+  std::size_t operator[](int vertex) const { return static_cast<std::size_t>(vertex); }
 };
+
+std::vector<bool> all_vertices(const Far::TopologyLevel& level) {
+  return std::vector<bool>(static_cast<std::size_t>(level.GetNumVertices()), true);
+}
+
+/// A level's vertices by those of the level before, and by the points of its faces, which come first.
+WeightedSums refined_sums(const Far::TopologyRefiner& refiner, int level) {
+  const auto faces = static_cast<std::size_t>(refiner.GetLevel(level - 1).GetNumFaces());
+  WeightRecorder recorder(all_vertices(refiner.GetLevel(level)), faces);
+  Far::PrimvarRefinerReal<double>(refiner).Interpolate(level, OwnIndex{}, recorder);
+  check_cancelled();
+  return recorder.take();
+}
 
 /// Triangles of the faces that are no holes: fans.
 std::vector<std::uint32_t> triangles_of(const Far::TopologyLevel& level) {
@@ -183,6 +145,7 @@ CageTopology refine_topology(const SubdivisionCage& cage, unsigned level) {
   const Refiner refiner = make_refiner(cage);
   const unsigned refined_level = std::max(level, 1u);
   Far::TopologyRefiner::UniformOptions options(static_cast<int>(refined_level));
+  options.orderVerticesFromFacesFirst = true;  // as they are used by others
   options.fullTopologyInLastLevel = true;
   refiner->RefineUniform(options);
   check_cancelled();
@@ -194,11 +157,12 @@ CageTopology refine_topology(const SubdivisionCage& cage, unsigned level) {
   const Far::TopologyLevel& last = refiner->GetLevel(static_cast<int>(refined_level));
   std::vector<bool> is_used(static_cast<std::size_t>(last.GetNumVertices()), false);
   for (const std::uint32_t index : result.indices) is_used[index] = true;
-  LimitRecorder recorder(is_used);
+  for (unsigned l = 1; l <= refined_level; ++l)
+    result.stages.push_back(refined_sums(*refiner, static_cast<int>(l)));
+  WeightRecorder recorder(is_used);
   Far::PrimvarRefinerReal<double>(*refiner).Limit(OwnIndex{}, recorder);
-  result.limit = recorder.take();
+  result.stages.push_back(recorder.take());
   check_cancelled();
-  result.refined = refined_sums(*refiner);
   std::vector<std::uint32_t> renumbered(is_used.size(), 0);
   std::uint32_t next = 0;
   for (std::size_t v = 0; v < is_used.size(); ++v) renumbered[v] = is_used[v] ? next++ : 0;

@@ -9,8 +9,11 @@
 
 namespace stbvh::harness::subdivision {
 
-/// A sparse matrix: row r is a weighted sum of the columns from first[r] on.
+/// A sparse matrix: row r is a weighted sum of the columns from first[r] on. The first rows may be used by
+/// the others: column c below `own` is row c, and c above is the element c - own of what the matrix is
+/// applied to.
 struct WeightedSums {
+  std::size_t own = 0;
   std::vector<std::size_t> first{0};  ///< one more than there are rows
   std::vector<std::uint32_t> columns;
   std::vector<double> weights;
@@ -19,8 +22,10 @@ struct WeightedSums {
 };
 
 struct CageTopology {
-  WeightedSums refined;                ///< of the vertices of the cage
-  WeightedSums limit;                  ///< of refined vertices: the vertices of the mesh
+  /// Each level's vertices by those of the level before, from the cage's on; last the limits of those that
+  /// the mesh has. By levels, since a stencil over all of them grows with the valence of each vertex that is
+  /// near: they would need time and memory by its square.
+  std::vector<WeightedSums> stages;
   std::vector<std::uint32_t> indices;  ///< 3 for each triangle
 };
 

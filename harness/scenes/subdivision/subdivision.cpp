@@ -18,38 +18,42 @@ struct Point {
   double x = 0, y = 0, z = 0;
 };
 
-/// Calls store(row, sum of its weighted columns) for each row, on many threads.
-template <class Column, class Store>
-void apply(const WeightedSums& sums, const Column& column, const Store& store) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sums.size(), 1024), [&](const tbb::blocked_range<
-                                                                               std::size_t>& range) {
+/// What the rows from `begin` to `end` sum up, on many threads.
+void apply_rows(const WeightedSums& sums, std::size_t begin, std::size_t end,
+                const std::vector<Point>& columns, std::vector<Point>& rows) {
+  using Range = tbb::blocked_range<std::size_t>;
+  tbb::parallel_for(Range(begin, end, 1024), [&](const Range& range) {
     for (std::size_t row = range.begin(); row < range.end(); ++row) {
       Point sum;
       for (std::size_t k = sums.first[row]; k < sums.first[row + 1]; ++k) {
-        const Point p = column(sums.columns[k]);
+        const std::size_t column = sums.columns[k];
+        const Point& p = column < sums.own ? rows[column] : columns[column - sums.own];
         sum = {sum.x + sums.weights[k] * p.x, sum.y + sums.weights[k] * p.y, sum.z + sums.weights[k] * p.z};
       }
-      store(row, sum);
+      rows[row] = sum;
     }
   });
   check_cancelled();
 }
 
+std::vector<Point> product(const WeightedSums& sums, const std::vector<Point>& columns) {
+  std::vector<Point> rows(sums.size());
+  apply_rows(sums, 0, sums.own, columns, rows);
+  apply_rows(sums, sums.own, sums.size(), columns, rows);
+  return rows;
+}
+
 /// One step of the mesh; in double, rounded once.
 VertexBuffer limit_positions(const CageTopology& topology, const VertexBuffer& cage) {
-  std::vector<Point> refined(topology.refined.size());
-  apply(
-      topology.refined,
-      [&](std::uint32_t i) {
-        return Point{double{cage[i].x}, double{cage[i].y}, double{cage[i].z}};
-      },
-      [&](std::size_t row, Point p) { refined[row] = p; });
-  VertexBuffer result(topology.limit.size());
-  apply(
-      topology.limit, [&](std::uint32_t i) { return refined[i]; },
-      [&](std::size_t row, Point p) {
-        result[row] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-      });
+  std::vector<Point> points;
+  points.reserve(cage.size());
+  for (const Vec3f& p : cage.span()) points.push_back({double{p.x}, double{p.y}, double{p.z}});
+  for (const WeightedSums& stage : topology.stages) points = product(stage, points);
+  VertexBuffer result(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Point& p = points[i];
+    result[i] = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+  }
   return result;
 }
 

@@ -37,7 +37,7 @@ struct SubdivisionCage {
 
 /// Most times that a cage is refined.
 inline constexpr unsigned kMaxRefinementLevel = 10;
-/// Most faces of a refined cage; with their stencils they take some 8 GB.
+/// Most faces of a refined cage; with their weights they take some 8 GB.
 inline constexpr std::size_t kMaxRefinedFaces = std::size_t{1} << 25;
 /// Most bytes of the vertices of all steps.
 inline constexpr std::size_t kMaxRefinedBytes = std::size_t{24} << 30;
