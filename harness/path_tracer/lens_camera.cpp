@@ -36,8 +36,7 @@ LensCamera::LensCamera(const Camera& camera, const Lens& lens, std::size_t width
   const Vec3 axis = to_double(camera.target) - origin_;
   const Vec3 side = cross(axis, to_double(camera.up));
   const double fov = camera.vertical_fov_degrees;
-  if (!is_finite(origin_) || !(length(axis) > 0) || !is_finite(axis) || !(length(side) > 0) ||
-      !is_finite(side) || !(fov > 0 && fov < 180)) {
+  if (!looks_somewhere(camera)) {
     throw std::invalid_argument("The scene's camera does not look anywhere.");
   }
   focus_distance_ = lens.focus_distance.value_or(length(axis));
