@@ -10,6 +10,8 @@ namespace {
 
 using nlohmann::json;
 
+// Places are functions: they are put into words only where something is wrong.
+
 /// `value` for a message: on one line, and short.
 std::string shown(const json& value) {
   if (value.is_structured()) return value.is_array() ? "an array" : "an object";
@@ -18,33 +20,33 @@ std::string shown(const json& value) {
   return text.size() <= kMostCharacters ? text : text.substr(0, kMostCharacters) + "...";
 }
 
-std::size_t to_whole_number(const json& value, const std::string& place) {
+template <class Place>
+std::size_t to_whole_number(const json& value, const Place& place) {
   if (!value.is_number_unsigned())
-    fail("{} is {}, which is not a whole number from 0 on", place, shown(value));
+    fail("{} is {}, which is not a whole number from 0 on", place(), shown(value));
   return value.get<std::size_t>();
 }
 
-double to_number(const json& value, const std::string& place) {
-  if (!value.is_number()) fail("{} is {}, which is not a number", place, shown(value));
+template <class Place>
+double to_number(const json& value, const Place& place) {
+  if (!value.is_number()) fail("{} is {}, which is not a number", place(), shown(value));
   return value.get<double>();
 }
 
-std::string to_text(const json& value, const std::string& place) {
-  if (!value.is_string()) fail("{} is {}, which is not text", place, shown(value));
+template <class Place>
+std::string to_text(const json& value, const Place& place) {
+  if (!value.is_string()) fail("{} is {}, which is not text", place(), shown(value));
   return value.get<std::string>();
 }
 
-std::string element(const std::string& array, std::size_t i) {
-  return fmt::format("{}[{}]", array, i);
-}
-
-/// `convert` of each element of `array`, which may be null.
-template <class T, class Convert>
-std::vector<T> elements(const json* array, const std::string& place, const Convert& convert) {
+/// `convert(value, place of the value)` of each element of `array`, which may be null.
+template <class T, class Place, class Convert>
+std::vector<T> elements(const json* array, const Place& place, const Convert& convert) {
   std::vector<T> result;
   if (array == nullptr) return result;
   result.reserve(array->size());
-  for (const json& value : *array) result.push_back(convert(value, element(place, result.size())));
+  const auto place_of_element = [&] { return fmt::format("{}[{}]", place(), result.size()); };
+  for (const json& value : *array) result.push_back(convert(value, place_of_element));
   return result;
 }
 
@@ -73,7 +75,7 @@ const json* JsonObject::find_array(const char* name) const {
 std::optional<std::size_t> JsonObject::whole_number(const char* name) const {
   const json* const value = find(name);
   if (value == nullptr) return std::nullopt;
-  return to_whole_number(*value, place(name));
+  return to_whole_number(*value, [&] { return place(name); });
 }
 
 std::size_t JsonObject::required_whole_number(const char* name) const {
@@ -85,7 +87,7 @@ std::size_t JsonObject::required_whole_number(const char* name) const {
 std::optional<double> JsonObject::number(const char* name) const {
   const json* const value = find(name);
   if (value == nullptr) return std::nullopt;
-  return to_number(*value, place(name));
+  return to_number(*value, [&] { return place(name); });
 }
 
 std::optional<bool> JsonObject::flag(const char* name) const {
@@ -103,25 +105,31 @@ std::optional<JsonObject> JsonObject::object(const char* name) const {
 
 std::string JsonObject::text(const char* name) const {
   const json* const value = find(name);
-  return value == nullptr ? std::string() : to_text(*value, place(name));
+  return value == nullptr ? std::string() : to_text(*value, [&] { return place(name); });
 }
 
 std::vector<std::size_t> JsonObject::whole_numbers(const char* name) const {
-  return elements<std::size_t>(find_array(name), place(name), to_whole_number);
+  return elements<std::size_t>(
+      find_array(name), [&] { return place(name); },
+      [](const json& value, const auto& where) { return to_whole_number(value, where); });
 }
 
 std::vector<double> JsonObject::numbers(const char* name) const {
-  return elements<double>(find_array(name), place(name), to_number);
+  return elements<double>(
+      find_array(name), [&] { return place(name); },
+      [](const json& value, const auto& where) { return to_number(value, where); });
 }
 
 std::vector<std::string> JsonObject::texts(const char* name) const {
-  return elements<std::string>(find_array(name), place(name), to_text);
+  return elements<std::string>(
+      find_array(name), [&] { return place(name); },
+      [](const json& value, const auto& where) { return to_text(value, where); });
 }
 
 std::vector<JsonObject> JsonObject::objects(const char* name) const {
-  return elements<JsonObject>(find_array(name), place(name), [](const json& value, std::string where) {
-    return JsonObject(value, std::move(where));
-  });
+  return elements<JsonObject>(
+      find_array(name), [&] { return place(name); },
+      [](const json& value, const auto& where) { return JsonObject(value, where()); });
 }
 
 std::vector<double> JsonObject::numbers(const char* name, std::size_t count) const {
@@ -133,7 +141,8 @@ std::vector<double> JsonObject::numbers(const char* name, std::size_t count) con
 
 std::map<std::string, std::size_t> JsonObject::all_whole_numbers() const {
   std::map<std::string, std::size_t> result;
-  for (const auto& [name, value] : value_->items()) result[name] = to_whole_number(value, place(name));
+  for (const auto& [name, value] : value_->items())
+    result[name] = to_whole_number(value, [&, &key = name] { return place(key); });
   return result;
 }
 
