@@ -95,7 +95,8 @@ void add_render_options(CLI::App& command, Arguments& a) {
                   "How it opens and closes: box (at once), trapezoid (a quarter of the time each), triangle")
       ->check(CLI::IsMember({"box", "trapezoid", "triangle"}))
       ->capture_default_str();
-  command.add_option("--camera-position", a.camera_position, "X,Y,Z instead of the scene's camera");
+  command.add_option("--camera-position", a.camera_position,
+                     "X,Y,Z instead of the scene's camera, which then stands still");
   command.add_option("--camera-target", a.camera_target, "X,Y,Z that it looks at, and what is sharp");
   command.add_option("--camera-up", a.camera_up, "X,Y,Z, the direction that is up in the picture");
   command.add_option("--fov", a.fov_degrees, "Its vertical angle of view in degrees");

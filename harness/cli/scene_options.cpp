@@ -13,6 +13,8 @@ void add_making_options(CLI::App& app, Arguments& a) {
   add_scale_option(app, a);
   app.add_option("--seed", a.options.seed, "Seed of scenes and rays")->capture_default_str();
   app.add_option("--clip", a.options.gltf.clip, "glTF: name or number of the animation. Default: the first");
+  app.add_option("--gltf-scene", a.options.gltf.scene,
+                 "glTF: name or number of the scene. Default: the file's own, or the first with a mesh");
   app.add_option("--shutter", a.shutter, "glTF: A,B, the part of the clip in seconds. Default: all of it");
   app.add_option("--shutter-mode", a.shutter_mode,
                  "glTF: where the shutter is longer than the clip: clamp (its ends are held) or loop (it is "

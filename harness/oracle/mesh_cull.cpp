@@ -13,11 +13,6 @@ namespace {
 constexpr std::size_t kLeafSize = 4;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-void extend(Box3f& box, Vec3f p) {
-  box.lower = {std::min(box.lower.x, p.x), std::min(box.lower.y, p.y), std::min(box.lower.z, p.z)};
-  box.upper = {std::max(box.upper.x, p.x), std::max(box.upper.y, p.y), std::max(box.upper.z, p.z)};
-}
-
 Box3f merge(Box3f a, const Box3f& b) {
   extend(a, b.lower);
   extend(a, b.upper);

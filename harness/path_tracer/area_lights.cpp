@@ -29,7 +29,7 @@ AreaLights::AreaLights(const Scene& scene) : scene_(scene) {
   for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
     const Mesh& mesh = scene.meshes[m];
     const Color emission = to_double(mesh.material.emission);
-    if (!is_finite(emission) || emission.x < 0 || emission.y < 0 || emission.z < 0) {
+    if (!is_light(emission)) {
       throw std::invalid_argument(
           fmt::format("The mesh \"{}\" emits light that is negative or not finite.", mesh.name));
     }

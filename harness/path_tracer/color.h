@@ -27,5 +27,9 @@ inline bool is_black(Color a) {
 inline bool is_finite(Vec3 a) {
   return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z);
 }
+/// Whether it is finite and not negative.
+inline bool is_light(Color a) {
+  return is_finite(a) && a.x >= 0 && a.y >= 0 && a.z >= 0;
+}
 
 }  // namespace stbvh::harness

@@ -8,10 +8,6 @@
 namespace stbvh::harness {
 namespace {
 
-bool is_light(Color c) {
-  return is_finite(c) && c.x >= 0 && c.y >= 0 && c.z >= 0;
-}
-
 /// Coordinates of a direction in a picture of latitude and longitude.
 SamplePoint latitude_longitude(Vec3 d) {
   const double turn = std::atan2(d.x, -d.z) / (2 * kPi);

@@ -42,8 +42,7 @@ LensCamera::LensCamera(const Camera& camera, const Lens& lens, std::size_t width
   if (!is_within_reach(origin_))
     throw std::invalid_argument(
         fmt::format("The camera is too far away: its coordinates must be below {}.", kMaxCoordinate));
-  if (!(length(axis) > 0) || !is_finite(axis) || !(length(side) > 0) || !is_finite(side) ||
-      !(fov > 0 && fov < 180)) {
+  if (!looks_somewhere(camera)) {
     throw std::invalid_argument("The scene's camera does not look anywhere.");
   }
   focus_distance_ = lens.focus_distance.value_or(length(axis));

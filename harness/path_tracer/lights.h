@@ -74,6 +74,29 @@ class DirectionalLights {
   Distribution choice_;
 };
 
+/// Light from points; each chosen by its intensity.
+class PointLights {
+ public:
+  /// Throws std::invalid_argument for lights without place or axis, with a negative intensity or a cone that
+  /// ends before it begins.
+  explicit PointLights(const std::vector<PointLight>& lights);
+
+  /// One of them as `from` sees it; none where it does not shine there.
+  std::optional<LightSample> sample(Vec3 from, double choice) const;
+
+ private:
+  struct Point {
+    Vec3 position, axis;  ///< the axis of length 1
+    Color intensity;
+    double cos_inner = -1, cos_outer = -1;
+
+    /// Share of the intensity in a direction of length 1.
+    double share(Vec3 direction) const;
+  };
+  std::vector<Point> points_;
+  Distribution choice_;
+};
+
 /// Light from all directions. A picture's parts are chosen by the light that they send; a constant is left
 /// to scattered rays: there is nothing in it to aim at.
 class EnvironmentLight {

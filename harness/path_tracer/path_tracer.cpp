@@ -57,7 +57,8 @@ struct FarLights {
   std::optional<Environment> environment;
 };
 FarLights far_lights(const Scene& scene, bool has_area_lights) {
-  if (has_area_lights || scene.environment || !scene.directional_lights.empty()) {
+  if (has_area_lights || scene.environment || !scene.directional_lights.empty() ||
+      !scene.point_lights.empty()) {
     return {scene.directional_lights, scene.environment};
   }
   DefaultLights lights = sun_and_sky(scene.camera);
@@ -87,6 +88,7 @@ PathTracer::PathTracer(const Scene& scene, const StructureUnderTest& structure,
       structure_(structure),
       settings_(settings),
       camera_(settings.camera.value_or(scene.camera), settings.lens, settings.width, settings.height),
+      camera_moves_(!settings.camera && !scene.camera_steps.empty()),
       lights_(lights_of(scene)) {
   check_shutter(settings.shutter);
   using Key = std::tuple<Material::Kind, float, float, float, float, float>;
@@ -110,28 +112,35 @@ SobolSampler PathTracer::sampler_of(std::size_t x, std::size_t y, std::size_t sa
   return {settings_.seed, y * settings_.width + x, static_cast<std::uint32_t>(sample)};
 }
 
-CameraRay PathTracer::lens_ray(const SobolSampler& sampler, std::size_t x, std::size_t y) const {
+LensCamera PathTracer::camera_at(double time) const {
+  if (!camera_moves_) return camera_;
+  return {scene_.camera_at(time), settings_.lens, settings_.width, settings_.height};
+}
+
+CameraRay PathTracer::lens_ray(const SobolSampler& sampler, std::size_t x, std::size_t y, float time) const {
   const SamplePoint jitter = sampler.pair(kPixel);
-  return camera_.ray({static_cast<double>(x) + jitter.x, static_cast<double>(y) + jitter.y},
-                     sampler.pair(kLens));
+  return camera_at(time).ray({static_cast<double>(x) + jitter.x, static_cast<double>(y) + jitter.y},
+                             sampler.pair(kLens));
 }
 
 Ray PathTracer::camera_ray(std::size_t x, std::size_t y, std::size_t sample) const {
   const SobolSampler sampler = sampler_of(x, y, sample);
-  return to_ray(lens_ray(sampler, x, y), settings_.shutter.time_at(sampler.number(kTime)));
+  const float time = settings_.shutter.time_at(sampler.number(kTime));
+  return to_ray(lens_ray(sampler, x, y, time), time);
 }
 
 PathTracer::Lights PathTracer::lights_of(const Scene& scene) {
   AreaLights area(scene);
   FarLights far = far_lights(scene, !area.empty());
-  return {std::move(area), DirectionalLights(far.directional), EnvironmentLight(std::move(far.environment))};
+  return {std::move(area), DirectionalLights(far.directional), PointLights(scene.point_lights),
+          EnvironmentLight(std::move(far.environment))};
 }
 
 PathSample PathTracer::trace(std::size_t x, std::size_t y, std::size_t index) const {
   const SobolSampler sampler = sampler_of(x, y, index);
   PathSample sample;
   sample.time = settings_.shutter.time_at(sampler.number(kTime));
-  const CameraRay start = lens_ray(sampler, x, y);
+  const CameraRay start = lens_ray(sampler, x, y, sample.time);
   Walk walk{.sampler = sampler, .ray = to_ray(start, sample.time), .from = start.origin};
   for (;; ++walk.bounce) {
     Hit hit;
@@ -170,10 +179,10 @@ FirstHit PathTracer::first_hit(const Hit& hit, const Surface& surface, const Ray
   first.mesh = hit.mesh;
   first.prim = hit.prim_id;
   if (length(normal) > 0) first.normal = normalize(dot(normal, direction) > 0 ? -normal : normal);
-  if (mesh.is_static()) return first;
+  if (mesh.is_static() && !camera_moves_) return first;
   const auto place_at = [&](double time) {
     const float seen = std::clamp(static_cast<float>(time), mesh.time_range.begin, mesh.time_range.end);
-    return camera_.project(surface_point(mesh, hit.prim_id, surface.u, surface.v, seen).position);
+    return camera_at(time).project(surface_point(mesh, hit.prim_id, surface.u, surface.v, seen).position);
   };
   const auto begin = place_at(settings_.shutter.open), end = place_at(settings_.shutter.close);
   if (begin && end) {
@@ -211,6 +220,9 @@ Color PathTracer::direct(const Walk& walk, const Vertex& vertex, PathSample& sam
   if (const auto light = lights_.area.sample(position, walk.ray.time, number(kAreaChoice), pair(kAreaPoint)))
     sum = sum + lit(walk, vertex, *light, sample);
   if (const auto light = lights_.directional.sample(number(kDirectionalChoice), pair(kDirectionalPoint)))
+    sum = sum + lit(walk, vertex, *light, sample);
+  // The same number: what it chooses among here has nothing to do with what it chose before.
+  if (const auto light = lights_.point.sample(position, number(kDirectionalChoice)))
     sum = sum + lit(walk, vertex, *light, sample);
   if (const auto light = lights_.environment.sample(pair(kEnvironmentPoint)))
     sum = sum + lit(walk, vertex, *light, sample);

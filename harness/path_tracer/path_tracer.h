@@ -71,12 +71,15 @@ class PathTracer {
   struct Lights {
     AreaLights area;
     DirectionalLights directional;
+    PointLights point;
     EnvironmentLight environment;
   };
 
   static Lights lights_of(const Scene& scene);
   SobolSampler sampler_of(std::size_t x, std::size_t y, std::size_t sample) const;
-  CameraRay lens_ray(const SobolSampler& sampler, std::size_t x, std::size_t y) const;
+  /// The camera at a time.
+  LensCamera camera_at(double time) const;
+  CameraRay lens_ray(const SobolSampler& sampler, std::size_t x, std::size_t y, float time) const;
   bool find_hit(const Walk& walk, Hit& hit, PathSample& sample) const;
   FirstHit first_hit(const Hit& hit, const Surface& surface, const Ray& ray) const;
   Color escaped(const Walk& walk) const;
@@ -90,7 +93,8 @@ class PathTracer {
   const Scene& scene_;
   const StructureUnderTest& structure_;
   const RenderSettings settings_;
-  LensCamera camera_;
+  LensCamera camera_;  ///< at the first of its steps, where it moves
+  bool camera_moves_;
   std::vector<Bsdf> materials_;           ///< each different one once
   std::vector<std::size_t> material_of_;  ///< of each mesh
   Lights lights_;

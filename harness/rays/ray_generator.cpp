@@ -49,7 +49,7 @@ constexpr double kUlpsOffSurface = 64;
 std::vector<SurfacePoint> hit_points(const Scene& scene, const StructureUnderTest& reference,
                                      std::size_t count, Pcg32& random) {
   constexpr int kBatches = 16;
-  const CameraRays camera(scene.camera);
+  const CameraRays camera(scene);
   const GeometryPoints geometry(scene);
   std::vector<SurfacePoint> points;
   const std::size_t batch = std::max<std::size_t>(count, 4096);
@@ -73,7 +73,7 @@ std::vector<SurfacePoint> hit_points(const Scene& scene, const StructureUnderTes
 }
 
 std::vector<Ray> primary_rays(const Scene& scene, std::size_t count, Pcg32& random) {
-  const CameraRays camera(scene.camera);
+  const CameraRays camera(scene);
   const double n = static_cast<double>(count);
   const auto width = static_cast<std::size_t>(std::ceil(std::sqrt(n * kPictureAspect)));
   const std::size_t height = (count + width - 1) / width;

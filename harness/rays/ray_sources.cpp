@@ -38,19 +38,20 @@ SurfacePoint point_off_surface(const Mesh& mesh, std::size_t prim, const Ray& ra
   return {origin + along + normal * (ulps * 0x1p-23 * magnitude), normal, ray.time};
 }
 
-CameraRays::CameraRays(const Camera& camera)
-    : position_(to_double(camera.position)),
-      forward_(normalize(to_double(camera.target) - to_double(camera.position))) {
-  const Vec3 side = cross(forward_, to_double(camera.up));
-  const Vec3 right = length(side) > 0 ? normalize(side) : perpendicular(forward_);
+CameraRays::Basis::Basis(const Camera& camera)
+    : position(to_double(camera.position)),
+      forward(normalize(to_double(camera.target) - to_double(camera.position))) {
+  const Vec3 side = cross(forward, to_double(camera.up));
+  const Vec3 to_right = length(side) > 0 ? normalize(side) : perpendicular(forward);
   const double half_height = std::tan(static_cast<double>(camera.vertical_fov_degrees) * kPi / 360);
-  right_ = right * (half_height * kPictureAspect);
-  up_ = cross(right, forward_) * half_height;
+  right = to_right * (half_height * kPictureAspect);
+  up = cross(to_right, forward) * half_height;
 }
 
 Ray CameraRays::through(double x, double y, float time) const {
-  const Vec3 direction = normalize(forward_ + right_ * (2 * x - 1) + up_ * (1 - 2 * y));
-  return make_ray(position_, direction, std::numeric_limits<double>::infinity(), time);
+  const Basis basis = scene_.camera_steps.empty() ? basis_ : Basis(scene_.camera_at(time));
+  const Vec3 direction = normalize(basis.forward + basis.right * (2 * x - 1) + basis.up * (1 - 2 * y));
+  return make_ray(basis.position, direction, std::numeric_limits<double>::infinity(), time);
 }
 
 GeometryPoints::GeometryPoints(const Scene& scene) : scene_(scene) {

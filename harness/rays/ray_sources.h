@@ -33,12 +33,19 @@ SurfacePoint point_off_surface(const Mesh& mesh, std::size_t prim, const Ray& ra
 /// Pinhole camera; the image is [0, 1]^2, rows from top to bottom.
 class CameraRays {
  public:
-  explicit CameraRays(const Camera& camera);
+  /// Keeps a reference to `scene`, whose camera it is.
+  explicit CameraRays(const Scene& scene) : scene_(scene), basis_(scene.camera) {}
 
   Ray through(double x, double y, float time) const;
 
  private:
-  Vec3 position_, forward_, right_, up_;  ///< right_ and up_ span half the image
+  struct Basis {
+    explicit Basis(const Camera& camera);
+    Vec3 position, forward, right, up;  ///< right and up span half the image
+  };
+
+  const Scene& scene_;
+  Basis basis_;  ///< of a camera that stands still
 };
 
 /// Random points in a scene's bounds and on its triangles.

@@ -13,18 +13,19 @@
 #include "harness/scenes/cancellation.h"
 
 namespace stbvh::harness {
+
+bool is_valid_position(Vec3f p) {
+  return std::abs(p.x) < kMaxCoordinate && std::abs(p.y) < kMaxCoordinate && std::abs(p.z) < kMaxCoordinate;
+}
+
 namespace {
 
 constexpr std::size_t kMostNamedMeshes = 5;
 constexpr std::uint32_t kLeftOut = std::numeric_limits<std::uint32_t>::max();
 
-bool is_valid(Vec3f p) {
-  return std::abs(p.x) < kMaxCoordinate && std::abs(p.y) < kMaxCoordinate && std::abs(p.z) < kMaxCoordinate;
-}
-
 bool is_valid(const Mesh& mesh) {
   return std::all_of(mesh.steps.begin(), mesh.steps.end(), [](const VertexBuffer& step) {
-    return std::all_of(step.span().begin(), step.span().end(), [](const Vec3f& p) { return is_valid(p); });
+    return std::all_of(step.span().begin(), step.span().end(), is_valid_position);
   });
 }
 
@@ -33,7 +34,7 @@ std::pair<std::vector<std::uint32_t>, std::size_t> renumbered(const Mesh& mesh) 
   std::vector<std::uint32_t> numbers(mesh.steps.front().size(), 0);
   for (const VertexBuffer& step : mesh.steps) {
     for (std::size_t v = 0; v < step.size(); ++v) {
-      if (!is_valid(step[v])) numbers[v] = kLeftOut;
+      if (!is_valid_position(step[v])) numbers[v] = kLeftOut;
     }
   }
   std::uint32_t count = 0;

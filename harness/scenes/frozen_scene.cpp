@@ -9,8 +9,9 @@ namespace stbvh::harness {
 Scene frozen(const Scene& scene, float time) {
   Scene still;
   still.name = scene.name;
-  still.camera = scene.camera;
+  still.camera = scene.camera_at(time);
   still.directional_lights = scene.directional_lights;
+  still.point_lights = scene.point_lights;
   still.environment = scene.environment;
   for (const Mesh& mesh : scene.meshes) {
     if (!is_visible_at(mesh, time)) continue;

@@ -1,8 +1,24 @@
 #include "harness/scenes/scene.h"
 
 #include <algorithm>
+#include <cmath>
+
+#include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {
+
+void extend(Box3f& box, Vec3f p) {
+  box.lower = {std::min(box.lower.x, p.x), std::min(box.lower.y, p.y), std::min(box.lower.z, p.z)};
+  box.upper = {std::max(box.upper.x, p.x), std::max(box.upper.y, p.y), std::max(box.upper.z, p.z)};
+}
+
+bool looks_somewhere(const Camera& camera) {
+  const Vec3 position = to_double(camera.position), axis = to_double(camera.target) - position;
+  const double side = length(cross(axis, to_double(camera.up)));
+  const double fov = camera.vertical_fov_degrees;
+  return std::isfinite(length(position)) && length(axis) > 0 && std::isfinite(length(axis)) && side > 0 &&
+         std::isfinite(side) && fov > 0 && fov < 180;
+}
 
 std::size_t Scene::triangle_count() const {
   std::size_t n = 0;
@@ -29,13 +45,25 @@ Box3f Scene::bounds() const {
   Box3f box = Box3f::empty();
   for (const Mesh& mesh : meshes) {
     for (const VertexBuffer& step : mesh.steps) {
-      for (const Vec3f& p : step.span()) {
-        box.lower = {std::min(box.lower.x, p.x), std::min(box.lower.y, p.y), std::min(box.lower.z, p.z)};
-        box.upper = {std::max(box.upper.x, p.x), std::max(box.upper.y, p.y), std::max(box.upper.z, p.z)};
-      }
+      for (const Vec3f& p : step.span()) extend(box, p);
     }
   }
   return box;
+}
+
+Camera Scene::camera_at(double time) const {
+  if (camera_steps.empty()) return camera;
+  const std::size_t last = camera_steps.size() - 1;
+  const double along = std::clamp(time, 0.0, 1.0) * static_cast<double>(last);
+  const std::size_t step = std::min(static_cast<std::size_t>(along), last);
+  const Camera &from = camera_steps[step], &to = camera_steps[std::min(step + 1, last)];
+  const double f = along - static_cast<double>(step);
+  const auto between = [f](Vec3f a, Vec3f b) { return to_float(lerp(to_double(a), to_double(b), f)); };
+  const Camera moved{.position = between(from.position, to.position),
+                     .target = between(from.target, to.target),
+                     .up = between(from.up, to.up),
+                     .vertical_fov_degrees = from.vertical_fov_degrees};
+  return looks_somewhere(moved) ? moved : f < 0.5 ? from : to;  // half a turn in one step has no middle
 }
 
 }  // namespace stbvh::harness

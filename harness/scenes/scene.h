@@ -45,6 +45,9 @@ struct Material {
   Vec3f emission{0, 0, 0};           ///< radiance; a mesh that emits is an area light, on both sides
 };
 
+/// Makes `box` as large as it must be for `p` to be in it.
+void extend(Box3f& box, Vec3f p);
+
 /// A triangle mesh with one vertex buffer for each step over `time_range`.
 struct Mesh {
   std::string name;
@@ -69,11 +72,23 @@ struct Camera {
   float vertical_fov_degrees = 40.0f;
 };
 
+/// Whether rays can be sent through it.
+bool looks_somewhere(const Camera& camera);
+
 /// Light from far away, out of a disc.
 struct DirectionalLight {
   Vec3f direction{0, -1, 0};     ///< in which it travels; any length
   Vec3f irradiance{3, 3, 3};     ///< on a surface that faces it; linear RGB
   float half_angle_degrees = 0;  ///< of the disc; 0: hard shadows
+};
+
+/// Light from a point, in all directions or into a cone.
+struct PointLight {
+  Vec3f position{0, 0, 0};
+  Vec3f intensity{1, 1, 1};         ///< irradiance on a surface at distance 1 that faces it; linear RGB
+  Vec3f axis{0, -1, 0};             ///< of the cone; any length
+  float inner_angle_degrees = 180;  ///< from the axis: up to it the light is whole,
+  float outer_angle_degrees = 180;  ///< from here on there is none
 };
 
 /// Light from all directions: a constant, or a picture of latitude and longitude.
@@ -88,7 +103,9 @@ struct Scene {
   std::string name;
   std::vector<Mesh> meshes;
   Camera camera;
+  std::vector<Camera> camera_steps;  ///< where it is over the ray times [0, 1], equidistant; empty: it stands
   std::vector<DirectionalLight> directional_lights;
+  std::vector<PointLight> point_lights;
   std::optional<Environment> environment;  ///< without any light, pictures are lit by a sun and a sky
 
   std::size_t triangle_count() const;
@@ -98,6 +115,8 @@ struct Scene {
   std::size_t buffer_bytes() const;
   /// Union over all meshes and steps.
   Box3f bounds() const;
+  /// The camera at a ray time: between two steps it moves linearly.
+  Camera camera_at(double time) const;
 };
 
 }  // namespace stbvh::harness

@@ -142,6 +142,42 @@ TEST(DirectionalLight, FallsOffWithTheCosine) {
   }
 }
 
+TEST(PointLight, FallsOffWithTheSquareAndTheCosineAndEndsWithItsCone) {
+  Scene scene;
+  scene.meshes = {square(5)};
+  scene.meshes[0].material = white(0.5f);
+  scene.camera = looking_down_at({1, 0, 0});
+  const auto i = static_cast<float>(kPi);
+  const auto seen = [&] { return estimate(rendered(scene, small(8, 64)).image).mean; };
+  for (const double height : {0.5, 2.0}) {
+    scene.point_lights = {{.position = {0, static_cast<float>(height), 0}, .intensity = {i, i, i}}};
+    const double distance2 = 1 + height * height;
+    EXPECT_NEAR(seen(), 0.5 * height / std::sqrt(distance2) / distance2, 1e-3) << height;
+  }
+  // From height 1 the point is seen at 45 degrees to the axis.
+  PointLight& spot = scene.point_lights[0];
+  spot.position = {0, 1, 0};
+  spot.axis = {0, -3, 0};
+  const double whole = 0.5 / std::sqrt(8.0);
+  const auto expect_share = [&](float inner, float outer, double share) {
+    spot.inner_angle_degrees = inner;
+    spot.outer_angle_degrees = outer;
+    EXPECT_NEAR(seen(), share * whole, 1e-3) << inner << " " << outer;
+  };
+  expect_share(50, 60, 1);
+  expect_share(46, 46, 1);
+  expect_share(20, 40, 0);
+  const double linear = (std::sqrt(0.5) - 0.5) / (std::sqrt(0.75) - 0.5);
+  expect_share(30, 60, linear * linear);
+  // What is between casts a shadow, what is behind does not.
+  spot = {.position = {0, 1, 0}, .intensity = {i, i, i}};
+  scene.meshes.push_back(square(0.2, 1, [](Vec3 p, std::size_t) { return p + Vec3{-0.5, 1.5, 0}; }));
+  EXPECT_NEAR(seen(), whole, 2e-2);
+  scene.meshes.back() = square(0.2, 1, [](Vec3 p, std::size_t) { return p + Vec3{0.5, 0.5, 0}; });
+  scene.meshes.back().material = white(0);
+  EXPECT_NEAR(seen(), 0, 1e-6);
+}
+
 /// Everything at once: rough and smooth things under a square light, a sun and a picture of the sky.
 Scene busy_scene() {
   Scene scene;
@@ -236,6 +272,10 @@ TEST(Lights, RefuseWhatIsNoLight) {
   EXPECT_THROW(
       DirectionalLights({{.direction = {0, 1, 0}, .irradiance = {1, 1, 1}, .half_angle_degrees = 90}}),
       std::invalid_argument);
+  EXPECT_THROW(PointLights({{.position = {nan, 0, 0}}}), std::invalid_argument);
+  EXPECT_THROW(PointLights({{.intensity = {0, -1, 0}}}), std::invalid_argument);
+  EXPECT_THROW(PointLights({{.axis = {0, 0, 0}}}), std::invalid_argument);
+  EXPECT_THROW(PointLights({{.inner_angle_degrees = 50, .outer_angle_degrees = 40}}), std::invalid_argument);
   Scene scene = busy_scene();
   scene.meshes[0].material.emission = {0, -1, 0};
   EXPECT_THROW(AreaLights{scene}, std::invalid_argument);
@@ -248,6 +288,7 @@ TEST(Lights, BlackOnesAreNeverDrawn) {
                                             .height = 1,
                                             .pixels = std::vector<Vec3f>(2, Vec3f{0, 0, 0})})
                    .sample({0.5, 0.5}));
+  EXPECT_FALSE(PointLights({{.intensity = {0, 0, 0}}}).sample({1, 1, 1}, 0.5));
   const Distribution choice({0, 2, 0, 1, 0});
   for (double number : {0.0, 0.3, 0.6, 0.7, std::nextafter(1.0, 0.0)}) {
     const Distribution::Pick pick = choice.pick(number);

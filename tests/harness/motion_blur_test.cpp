@@ -125,6 +125,37 @@ TEST(MotionBlur, OfAFrozenShutterIsAStillPicture) {
   }
 }
 
+/// The same, from a camera that moves the other way past what stands still.
+TEST(MotionBlur, OfACameraThatMovesIsThatOfTheScene) {
+  Scene scene = moving_scene(), moved = scene;
+  const auto shift = [](std::size_t k) { return Vec3{0.4 * static_cast<double>(k), 0, 0}; };
+  scene.meshes.resize(1);
+  moved.meshes.resize(1);
+  scene.environment->radiance = moved.environment->radiance = {1, 1, 1};
+  scene.meshes[0] = sphere();
+  moved.meshes[0] = sphere(3, [&](Vec3 p, std::size_t k) { return p - shift(k); });
+  for (std::size_t k = 0; k < 3; ++k) {
+    Camera camera = scene.camera;
+    camera.position = to_float(to_double(camera.position) + shift(k));
+    camera.target = to_float(to_double(camera.target) + shift(k));
+    scene.camera_steps.push_back(camera);
+  }
+  const LayeredImage a = rendered(scene, small(24, 16)).image, b = rendered(moved, small(24, 16)).image;
+  for (const char* layer : {"depth.Z", "motion.X", "motion.Y", "normal.X"}) {
+    double difference = 0, largest = 0;
+    for (std::size_t i = 0; i < 24 * 24; ++i) {
+      difference += std::abs((*a.find(layer))[i] - (*b.find(layer))[i]) / (24 * 24);
+      largest = std::max(largest, std::abs(static_cast<double>((*a.find(layer))[i])));
+    }
+    EXPECT_LT(difference, 0.01 * largest + 1e-6) << layer;
+  }
+  EXPECT_NEAR((*a.find("motion.X"))[12 * 24 + 12], -0.8 / 8 * 24 / (2 * std::tan(16 * kPi / 180)), 0.5);
+  // Half a turn in one step: there is no middle, but always a direction.
+  scene.camera_steps = {scene.camera, scene.camera};
+  scene.camera_steps[1].target.z = 16 - scene.camera.target.z;
+  EXPECT_EQ(rendered(scene, small(8, 4)).not_finite, 0u);
+}
+
 TEST(MotionBlur, GivesTheMotionInPixels) {
   // One unit to the right at distance 10: the picture is 2 x 10 x tan(fov / 2) units high there.
   Scene scene;

@@ -40,7 +40,7 @@ bool is_black(Vec3f v) {
 }
 
 bool has_light(const Scene& scene) {
-  return !scene.directional_lights.empty() || scene.environment ||
+  return !scene.directional_lights.empty() || !scene.point_lights.empty() || scene.environment ||
          std::any_of(scene.meshes.begin(), scene.meshes.end(),
                      [](const Mesh& mesh) { return !is_black(mesh.material.emission); });
 }
@@ -94,6 +94,7 @@ class Writer {
 
   void camera() {
     const Camera& c = scene_.camera;
+    if (!scene_.camera_steps.empty()) warn("The camera moves; it is written where it is at first.");
     line(fmt::format(R"(<PerspectiveCamera name="default" from="{}" to="{}" up="{}" fov="{}"/>)",
                      attribute(c.position), attribute(c.target), attribute(c.up), c.vertical_fov_degrees));
   }
@@ -105,6 +106,7 @@ class Writer {
       return;
     }
     for (const DirectionalLight& light : scene_.directional_lights) directional_light(light);
+    if (!scene_.point_lights.empty()) warn("Lights from points are not written.");
     if (!scene_.environment) return;
     if (scene_.environment->width > 0) warn("The environment is a picture; its mean is written.");
     ambient_light(mean_radiance(*scene_.environment));

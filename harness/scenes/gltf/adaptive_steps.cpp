@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 
 #include "harness/scenes/cancellation.h"
 
@@ -36,7 +37,8 @@ Moment moment_at(double fraction, std::size_t segments) {
 
 double distance(const Vec3f& a, const Vec3f& b, double f, const Vec3f& p) {
   const auto off = [f](double from, double to, double at) { return from + f * (to - from) - at; };
-  return std::hypot(off(a.x, b.x, p.x), off(a.y, b.y, p.y), off(a.z, b.z, p.z));
+  const double length = std::hypot(off(a.x, b.x, p.x), off(a.y, b.y, p.y), off(a.z, b.z, p.z));
+  return std::isnan(length) ? std::numeric_limits<double>::infinity() : length;
 }
 
 double step_fraction(std::size_t step, std::size_t segments) {
@@ -67,7 +69,7 @@ class StepChooser {
     std::vector<VertexBuffer> steps(count);
     for_all(count, [&](std::size_t i) {
       const double fraction = count > 1 ? step_fraction(i, count - 1) : 0.0;
-      steps[i] = deform(primitive_, timeline_.pose(fraction));
+      steps[i] = deform(primitive_, timeline_.rig(), timeline_.pose(fraction));
     });
     return steps;
   }
@@ -76,7 +78,7 @@ class StepChooser {
     const std::size_t segments = std::max<std::size_t>(count, 2) - 1;
     return std::any_of(witnesses_.rbegin(), witnesses_.rend(), [&](const Witness& witness) {
       const auto place = [&](double fraction) {
-        return deform_vertex(primitive_, timeline_.pose(fraction), witness.vertex);
+        return deform_vertex(primitive_, timeline_.rig(), timeline_.pose(fraction), witness.vertex);
       };
       const Moment moment = moment_at(witness.fraction, segments);
       const Vec3f from = place(step_fraction(moment.step, segments));
@@ -102,7 +104,7 @@ class StepChooser {
     std::atomic<bool> is_refused = false;
     for_all(fractions.size(), [&](std::size_t i) {
       if (may_stop && is_refused) return;
-      const VertexBuffer truth = deform(primitive_, timeline_.pose(fractions[i]));
+      const VertexBuffer truth = deform(primitive_, timeline_.rig(), timeline_.pose(fractions[i]));
       const Moment moment = moment_at(fractions[i], segments);
       const VertexBuffer& from = steps[moment.step];
       const VertexBuffer& to = steps[std::min(moment.step + 1, steps.size() - 1)];

@@ -1,57 +1,108 @@
 #include "harness/scenes/gltf/clip.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
-#include <utility>
+#include <string_view>
 
+#include "harness/scenes/cancellation.h"
 #include "harness/scenes/gltf/accessor.h"
+#include "harness/scenes/gltf/named.h"
 #include "harness/scenes/gltf/problem.h"
 #include "harness/scenes/gltf/transform.h"
 
 namespace stbvh::harness::gltf {
 namespace {
 
-std::string list_of_clips(const tinygltf::Model& model) {
-  std::string list;
-  for (std::size_t i = 0; i < model.animations.size(); ++i) {
-    list += fmt::format("{}{} '{}'", i == 0 ? "" : ", ", i, model.animations[i].name);
-  }
-  return list;
-}
-
-const tinygltf::Animation& find_animation(const tinygltf::Model& model, const std::string& name_or_index) {
-  if (name_or_index.empty()) return model.animations.front();
-  for (const tinygltf::Animation& animation : model.animations) {
-    if (animation.name == name_or_index) return animation;
-  }
-  std::size_t index = 0;
-  const char* const end = name_or_index.data() + name_or_index.size();
-  const auto [stopped, error] = std::from_chars(name_or_index.data(), end, index);
-  if (error == std::errc() && stopped == end && index < model.animations.size())
-    return model.animations[index];
-  if (model.animations.empty()) fail("it has no clip '{}', for it has no animation at all", name_or_index);
-  fail("it has no clip '{}'; its clips are {}", name_or_index, list_of_clips(model));
-}
-
-std::optional<AnimatedProperty> property_of(const std::string& path) {
+std::optional<AnimatedProperty> property_of(std::string_view path) {
   if (path == "translation") return AnimatedProperty::kTranslation;
   if (path == "rotation") return AnimatedProperty::kRotation;
   if (path == "scale") return AnimatedProperty::kScale;
   if (path == "weights") return AnimatedProperty::kWeights;
+  if (path == "extensions/KHR_node_visibility/visible") return AnimatedProperty::kVisibility;
   return std::nullopt;
 }
 
+/// Of a JSON pointer like "/nodes/3/weights/1"; nothing where it points to what is not read.
+std::optional<Target> target_of_pointer(std::string_view pointer) {
+  constexpr std::string_view kNodes = "/nodes/", kWeights = "weights/";
+  if (!pointer.starts_with(kNodes)) return std::nullopt;
+  pointer.remove_prefix(kNodes.size());
+  const std::size_t slash = std::min(pointer.find('/'), pointer.size());
+  const auto node = parse_index(pointer.substr(0, slash));
+  if (!node || slash == pointer.size()) return std::nullopt;
+  const std::string_view path = pointer.substr(slash + 1);
+  if (path.starts_with(kWeights)) {
+    const auto weight = parse_index(path.substr(kWeights.size()));
+    if (!weight) return std::nullopt;
+    return Target{*node, AnimatedProperty::kWeight, *weight};
+  }
+  const auto property = property_of(path);
+  return property ? std::optional(Target{*node, *property}) : std::nullopt;
+}
+
+std::optional<Target> target_of(const Model::Channel& channel) {
+  if (channel.path == "pointer") return target_of_pointer(channel.pointer);
+  const auto property = property_of(channel.path);
+  if (!channel.node || !property) return std::nullopt;
+  return Target{*channel.node, *property};
+}
+
+/// What a channel that is not read would move, the same for all parts of a kind:
+/// "/materials/*/emissiveFactor".
+std::string kind_of_target(const Model::Channel& channel) {
+  if (channel.path != "pointer") return channel.path;
+  std::string kind;
+  for (const char c : channel.pointer) {
+    const bool is_digit = c >= '0' && c <= '9';
+    const bool is_in_number = is_digit && (kind.ends_with('/') || kind.ends_with('*'));
+    if (!is_in_number) {
+      kind += c;
+    } else if (!kind.ends_with('*')) {
+      kind += '*';
+    }
+  }
+  return kind;
+}
+
+void check_target(const Model& model, const Target& target) {
+  if (target.node >= model.nodes.size()) fail("an animation refers to the missing node {}", target.node);
+  const bool moves_node = target.property == AnimatedProperty::kTranslation ||
+                          target.property == AnimatedProperty::kRotation ||
+                          target.property == AnimatedProperty::kScale;
+  if (moves_node && model.nodes[target.node].matrix)
+    fail("node {} is animated, but has a matrix instead of translation, rotation and scale", target.node);
+}
+
+/// The type of a key's value, and how many of it a key has; 0: as many as there are.
+struct ValueShape {
+  ElementType type;
+  std::size_t width;
+};
+
+ValueShape shape_of(AnimatedProperty property) {
+  switch (property) {
+    case AnimatedProperty::kTranslation:
+    case AnimatedProperty::kScale:
+      return {ElementType::kVec3, 3};
+    case AnimatedProperty::kRotation:
+      return {ElementType::kVec4, 4};
+    case AnimatedProperty::kWeights:
+      return {ElementType::kScalar, 0};
+    default:
+      return {ElementType::kScalar, 1};
+  }
+}
+
 Interpolation interpolation_of(const std::string& name) {
-  if (name == "LINEAR") return Interpolation::kLinear;
+  if (name == "LINEAR" || name.empty()) return Interpolation::kLinear;
   if (name == "STEP") return Interpolation::kStep;
   if (name == "CUBICSPLINE") return Interpolation::kCubicSpline;
   fail("an animation has the unknown interpolation '{}'", name);
 }
 
-std::vector<double> read_key_times(const tinygltf::Model& model, int accessor) {
-  std::vector<double> times = read_numbers(model, accessor, TINYGLTF_TYPE_SCALAR, "animation times");
+std::vector<double> read_key_times(const Model& model, std::size_t accessor) {
+  std::vector<double> times = read_numbers(model, accessor, ElementType::kScalar, "animation times");
   if (times.empty()) fail("accessor {} (animation times) has no keys", accessor);
   const bool finite = std::all_of(times.begin(), times.end(), [](double t) { return std::isfinite(t); });
   if (!finite || !std::is_sorted(times.begin(), times.end())) {
@@ -60,32 +111,20 @@ std::vector<double> read_key_times(const tinygltf::Model& model, int accessor) {
   return times;
 }
 
-Channel read_channel(const tinygltf::Model& model, const tinygltf::Animation& animation,
-                     const tinygltf::AnimationChannel& source, AnimatedProperty property) {
-  if (source.sampler < 0 || static_cast<std::size_t>(source.sampler) >= animation.samplers.size()) {
-    fail("an animation refers to its missing sampler {}", source.sampler);
-  }
-  if (static_cast<std::size_t>(source.target_node) >= model.nodes.size()) {
-    fail("an animation refers to the missing node {}", source.target_node);
-  }
+Channel read_channel(const Model& model, const ClipSource::Channel& source) {
+  const Model::Sampler& sampler = source.sampler;
   Channel channel;
-  channel.node = static_cast<std::size_t>(source.target_node);
-  channel.property = property;
-  if (property != AnimatedProperty::kWeights && !model.nodes[channel.node].matrix.empty()) {
-    fail("node {} is animated, but has a matrix instead of translation, rotation and scale", channel.node);
-  }
-  const tinygltf::AnimationSampler& sampler = animation.samplers[static_cast<std::size_t>(source.sampler)];
+  channel.target = source.target;
   channel.interpolation = interpolation_of(sampler.interpolation);
+  const AnimatedProperty property = channel.target.property;
+  if (property == AnimatedProperty::kVisibility && channel.interpolation != Interpolation::kStep)
+    fail("the visibility of node {} is animated, but not in steps", channel.target.node);
   channel.times = read_key_times(model, sampler.input);
-  const int type = property == AnimatedProperty::kWeights    ? TINYGLTF_TYPE_SCALAR
-                   : property == AnimatedProperty::kRotation ? TINYGLTF_TYPE_VEC4
-                                                             : TINYGLTF_TYPE_VEC3;
-  channel.values = read_numbers(model, sampler.output, type, "animation values");
+  const ValueShape shape = shape_of(property);
+  channel.values = read_numbers(model, sampler.output, shape.type, "animation values");
   const std::size_t rows =
       channel.times.size() * (channel.interpolation == Interpolation::kCubicSpline ? 3 : 1);
-  channel.width = property == AnimatedProperty::kWeights    ? channel.values.size() / rows
-                  : property == AnimatedProperty::kRotation ? 4
-                                                            : 3;
+  channel.width = shape.width > 0 ? shape.width : channel.values.size() / rows;
   if (channel.values.size() != channel.width * rows) {
     fail("accessor {} (animation values) does not have as many elements as its {} keys need", sampler.output,
          channel.times.size());
@@ -136,19 +175,35 @@ void Channel::evaluate(double time, std::span<double> result) const {
   if (cubic) {
     evaluate_cubic(from, to, f, duration, result);
   } else {
-    evaluate_linear(from, to, f, property == AnimatedProperty::kRotation, result);
+    evaluate_linear(from, to, f, target.property == AnimatedProperty::kRotation, result);
   }
 }
 
-std::optional<Clip> read_clip(const tinygltf::Model& model, const std::string& name_or_index) {
+std::optional<ClipSource> find_clip(const Model& model, const std::string& name_or_index) {
   if (name_or_index.empty() && model.animations.empty()) return std::nullopt;
-  const tinygltf::Animation& animation = find_animation(model, name_or_index);
+  const Model::Animation& animation =
+      name_or_index.empty() ? model.animations.front() : find_named(model.animations, name_or_index, "clip");
+  ClipSource clip;
+  for (const Model::Channel& channel : animation.channels) {
+    const std::optional<Target> target = target_of(channel);
+    // The specification lets readers skip what has no target, for an extension may give it one.
+    if (!target) {
+      ++clip.left_out[kind_of_target(channel)];
+      continue;
+    }
+    if (channel.sampler >= animation.samplers.size())
+      fail("an animation refers to its missing sampler {}", channel.sampler);
+    check_target(model, *target);
+    clip.channels.push_back({*target, animation.samplers[channel.sampler]});
+  }
+  return clip;
+}
+
+Clip read_clip(const Model& model, const ClipSource& source) {
   Clip clip;
-  for (const tinygltf::AnimationChannel& source : animation.channels) {
-    const std::optional<AnimatedProperty> property = property_of(source.target_path);
-    // The specification lets loaders skip what has no target node or targets something of an extension.
-    if (source.target_node < 0 || !property) continue;
-    clip.channels.push_back(read_channel(model, animation, source, *property));
+  for (const ClipSource::Channel& channel : source.channels) {
+    check_cancelled();
+    clip.channels.push_back(read_channel(model, channel));
   }
   if (clip.channels.empty()) return clip;
   clip.begin = std::numeric_limits<double>::infinity();

@@ -1,24 +1,38 @@
 /// One animation of a glTF file, ready to be evaluated at any time.
 #pragma once
 
-#include <tiny_gltf.h>
-
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "harness/scenes/gltf/model.h"
+
 namespace stbvh::harness::gltf {
 
-enum class AnimatedProperty { kTranslation, kRotation, kScale, kWeights };
+enum class AnimatedProperty {
+  kTranslation,
+  kRotation,
+  kScale,
+  kWeights,     ///< all of them
+  kWeight,      ///< one
+  kVisibility,  ///< 0: not there, and all below it neither
+};
 enum class Interpolation { kStep, kLinear, kCubicSpline };
+
+/// What a channel moves.
+struct Target {
+  std::size_t node = 0;
+  AnimatedProperty property = AnimatedProperty::kTranslation;
+  std::size_t weight = 0;  ///< which, of kWeight
+};
 
 /// How one property of one node moves: `width` numbers at each key (three times as many for cubic splines:
 /// in-tangent, value, out-tangent).
 struct Channel {
-  std::size_t node = 0;
-  AnimatedProperty property = AnimatedProperty::kTranslation;
+  Target target;
   Interpolation interpolation = Interpolation::kLinear;
   std::size_t width = 0;
   std::vector<double> times;  ///< seconds, not decreasing, at least one
@@ -33,8 +47,21 @@ struct Clip {
   double begin = 0, end = 0;  ///< first and last key of all channels, in seconds
 };
 
+/// The channels of an animation, before their keys are read.
+struct ClipSource {
+  struct Channel {
+    Target target;
+    Model::Sampler sampler;
+  };
+  std::vector<Channel> channels;
+  std::map<std::string, std::size_t> left_out;  ///< channels that are not read, by what they would move
+};
+
 /// The animation whose name or, failing that, index is `name_or_index`; the first if that is empty.
 /// Nothing if the file has no animation and none is asked for. Throws Problem.
-std::optional<Clip> read_clip(const tinygltf::Model& model, const std::string& name_or_index);
+std::optional<ClipSource> find_clip(const Model& model, const std::string& name_or_index);
+
+/// All keys. Throws Problem.
+Clip read_clip(const Model& model, const ClipSource& source);
 
 }  // namespace stbvh::harness::gltf

@@ -5,17 +5,24 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <map>
+#include <memory>
 #include <new>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "harness/scenes/cancellation.h"
+#include "harness/scenes/finite_check.h"
 #include "harness/scenes/gltf/adaptive_steps.h"
 #include "harness/scenes/gltf/clip.h"
-#include "harness/scenes/gltf/framing.h"
 #include "harness/scenes/gltf/gltf_file.h"
+#include "harness/scenes/gltf/left_out.h"
 #include "harness/scenes/gltf/pose.h"
 #include "harness/scenes/gltf/primitive.h"
 #include "harness/scenes/gltf/problem.h"
+#include "harness/scenes/gltf/size_check.h"
+#include "harness/scenes/gltf/surroundings.h"
 #include "harness/scenes/gltf/timeline.h"
 
 namespace stbvh::harness {
@@ -26,18 +33,19 @@ bool same_bits(const VertexBuffer& a, const VertexBuffer& b) {
   return std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3f)) == 0;
 }
 
-Vec3f base_color(const tinygltf::Model& model, int material) {
-  if (material < 0 || static_cast<std::size_t>(material) >= model.materials.size()) return Material{}.color;
-  const std::vector<double>& factor =
-      model.materials[static_cast<std::size_t>(material)].pbrMetallicRoughness.baseColorFactor;
-  if (factor.size() < 3) return Material{}.color;
-  const auto channel = [&](std::size_t i) { return static_cast<float>(std::clamp(factor[i], 0.0, 1.0)); };
-  return {channel(0), channel(1), channel(2)};
+Material material_of(const Model& model, Model::Index index) {
+  Material material;
+  if (!index || *index >= model.materials.size()) return material;
+  const Model::Material& source = model.materials[*index];
+  material.color = source.base_color;
+  // Where a texture says, mostly not everywhere, what emits, nothing does.
+  if (!source.has_emissive_texture) material.emission = source.emission;
+  return material;
 }
 
-std::string mesh_name(const tinygltf::Model& model, std::size_t node, std::size_t primitive) {
-  const tinygltf::Node& source = model.nodes[node];
-  const tinygltf::Mesh& mesh = model.meshes[static_cast<std::size_t>(source.mesh)];
+std::string mesh_name(const Model& model, std::size_t node, std::size_t primitive) {
+  const Model::Node& source = model.nodes[node];
+  const Model::Mesh& mesh = model.meshes[*source.mesh];
   std::string name = !source.name.empty() ? source.name : mesh.name;
   if (name.empty()) name = fmt::format("node {}", node);
   return mesh.primitives.size() == 1 ? name : fmt::format("{} #{}", name, primitive);
@@ -45,81 +53,204 @@ std::string mesh_name(const tinygltf::Model& model, std::size_t node, std::size_
 
 struct NamedPrimitive {
   std::string name;
-  Vec3f color;
+  Material material;
   Primitive primitive;
 };
 
-std::vector<NamedPrimitive> read_primitives(const tinygltf::Model& model, const NodeTree& tree,
-                                            std::size_t most_steps) {
-  std::vector<NamedPrimitive> primitives;
-  std::size_t bytes = 0;
-  for (const std::size_t node : tree.scene_nodes()) {
-    const int mesh_index = model.nodes[node].mesh;
-    if (mesh_index == -1) continue;
-    if (mesh_index < 0 || static_cast<std::size_t>(mesh_index) >= model.meshes.size()) {
-      fail("node {} refers to the missing mesh {}", node, mesh_index);
-    }
-    const auto& sources = model.meshes[static_cast<std::size_t>(mesh_index)].primitives;
-    for (std::size_t i = 0; i < sources.size(); ++i) {
-      check_cancelled();
-      std::optional<Primitive> primitive = read_primitive(model, node, sources[i]);
-      if (!primitive) continue;
-      bytes += primitive->vertex_count() * sizeof(Vec3f) * most_steps;
-      if (bytes > kMaxSceneFileBytes)
-        fail("its vertices need more than {} GB with {} steps", kMaxSceneFileBytes >> 30, most_steps);
-      primitives.push_back(
-          {mesh_name(model, node, i), base_color(model, sources[i].material), std::move(*primitive)});
-    }
+/// Those skins that nodes with a mesh have; the others are empty.
+std::vector<Skin> read_skins(const Model& model, const std::vector<std::size_t>& nodes) {
+  std::vector<Skin> skins(model.skins.size());
+  std::vector<bool> is_read(skins.size(), false);
+  for (const std::size_t node : nodes) {
+    const Model::Index skin = model.nodes[node].skin;
+    if (!skin || !model.nodes[node].mesh || (*skin < skins.size() && is_read[*skin])) continue;
+    Skin read = read_skin(model, *skin);
+    skins[*skin] = std::move(read);
+    is_read[*skin] = true;
   }
-  if (primitives.empty()) fail("its scene has no triangles");
-  return primitives;
+  return skins;
 }
 
-/// All steps of a primitive, or one if it stands still.
-std::vector<VertexBuffer> all_steps(const Primitive& primitive, const std::vector<Pose>& poses) {
-  std::vector<VertexBuffer> steps(poses.size());
-  for_all(poses.size(), [&](std::size_t i) { steps[i] = deform(primitive, poses[i]); });
+class PrimitiveReader {
+ public:
+  PrimitiveReader(const Model& model, const std::vector<Skin>& skins) : model_(model), skins_(skins) {}
+
+  void add_node(std::size_t node) {
+    const Model::Index mesh = model_.nodes[node].mesh;
+    if (!mesh) return;
+    const std::vector<Affine> instances = read_instances(model_, node);
+    const auto& sources = model_.meshes[*mesh].primitives;
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+      check_cancelled();
+      if (!has_triangles(sources[i])) continue;
+      Primitive primitive{.node = node, .geometry = geometry(node, sources[i]), .skin = {}, .instance = {}};
+      if (primitive.geometry->indices.empty()) continue;
+      if (primitive.geometry->influences.per_vertex > 0) primitive.skin = model_.nodes[node].skin;
+      if (primitive.skin) check_joints(*primitive.geometry, skins_[*primitive.skin]);
+      add_instances(primitive, instances, mesh_name(model_, node, i),
+                    material_of(model_, sources[i].material));
+    }
+  }
+
+  std::vector<NamedPrimitive> take() { return std::move(primitives_); }
+
+ private:
+  std::shared_ptr<const Geometry> geometry(std::size_t node, const Model::Primitive& source) {
+    const bool is_skinned = model_.nodes[node].skin.has_value();
+    std::shared_ptr<const Geometry>& known = geometries_[{&source, is_skinned}];
+    if (!known) known = read_geometry(model_, source, is_skinned);
+    return known;
+  }
+
+  void add_instances(Primitive primitive, const std::vector<Affine>& instances, const std::string& name,
+                     const Material& material) {
+    for (std::size_t i = 0; i < instances.size(); ++i) {
+      primitive.instance = instances[i];
+      primitives_.push_back(
+          {instances.size() == 1 ? name : fmt::format("{} [{}]", name, i), material, primitive});
+    }
+  }
+
+  const Model& model_;
+  const std::vector<Skin>& skins_;
+  std::map<std::pair<const Model::Primitive*, bool>, std::shared_ptr<const Geometry>> geometries_;
+  std::vector<NamedPrimitive> primitives_;
+};
+
+/// As a share of the shutter: what is there for less is left out, as no structure can divide it into steps.
+constexpr double kShortestVisible = 1e-6;
+
+/// A primitive while it is to be seen.
+struct Part {
+  const NamedPrimitive* source;
+  double begin = 0, end = 1;  ///< of the shutter
+
+  bool is_whole() const { return begin == 0 && end == 1; }
+};
+
+/// When a node is visible, as shares of the shutter. It changes only at keys.
+std::vector<std::pair<double, double>> visible_intervals(const Timeline& timeline, std::size_t node) {
+  const Rig rig = timeline.rig().part(node, std::nullopt);
+  const Timeline own = timeline.part(rig);
+  const std::size_t slot = rig.slot(node);
+  std::vector<double> bounds = own.key_fractions();
+  bounds.push_back(1);
+  std::vector<std::pair<double, double>> intervals;
+  double begin = 0;
+  for (const double end : bounds) {
+    if (own.pose((begin + end) / 2).visible[slot]) {
+      if (!intervals.empty() && intervals.back().second == begin) {
+        intervals.back().second = end;
+      } else {
+        intervals.emplace_back(begin, end);
+      }
+    }
+    begin = end;
+  }
+  return intervals;
+}
+
+/// In the order of the primitives.
+std::vector<Part> visible_parts(const std::vector<NamedPrimitive>& primitives, const Timeline& timeline) {
+  const Rig& rig = timeline.rig();
+  const Pose first = timeline.pose(0);
+  std::map<std::size_t, std::vector<std::pair<double, double>>> intervals_of;  // nodes that blink
+  std::vector<Part> parts;
+  for (const NamedPrimitive& source : primitives) {
+    const std::size_t node = source.primitive.node;
+    if (timeline.is_instant() || !rig.blinks(node)) {
+      if (first.visible[rig.slot(node)]) parts.push_back({&source});
+      continue;
+    }
+    const auto [known, is_new] = intervals_of.try_emplace(node);
+    if (is_new) known->second = visible_intervals(timeline, node);
+    for (const auto& [begin, end] : known->second) {
+      if (end - begin >= kShortestVisible) parts.push_back({&source, begin, end});
+    }
+  }
+  return parts;
+}
+
+double step_fraction(std::size_t step, std::size_t steps) {
+  return steps > 1 ? static_cast<double>(step) / static_cast<double>(steps - 1) : 0;
+}
+
+using Steps = std::vector<VertexBuffer>;
+
+/// One step if all are the same.
+void merge_if_still(Steps& steps) {
   const bool still = std::all_of(steps.begin() + 1, steps.end(),
                                  [&](const VertexBuffer& step) { return same_bits(steps.front(), step); });
   if (still) steps.resize(1);
-  return steps;
 }
 
-/// Poses at equidistant times of the shutter.
-std::vector<Pose> equidistant_poses(const Timeline& timeline, std::size_t steps) {
-  std::vector<Pose> poses;
-  for (std::size_t i = 0; i < (timeline.is_instant() ? 1 : steps); ++i) {
-    poses.push_back(timeline.pose(steps > 1 ? static_cast<double>(i) / static_cast<double>(steps - 1) : 0.0));
+bool moves(const Part& part, const Timeline& timeline) {
+  const Primitive& primitive = part.source->primitive;
+  return !timeline.is_instant() && timeline.rig().moves_mesh(primitive.node, primitive.skin);
+}
+
+/// `count` positions of each part that moves, at equidistant times while it is visible, one of the others.
+/// Parts that are visible all the time share poses.
+std::vector<Steps> equidistant_steps(const std::vector<Part>& parts, const Timeline& timeline,
+                                     std::size_t count) {
+  std::vector<Steps> result(parts.size());
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    if (parts[p].is_whole()) result[p].resize(moves(parts[p], timeline) ? count : 1);
   }
-  return poses;
+  for_all(count, [&](std::size_t i) {
+    const Pose pose = timeline.pose(step_fraction(i, count));
+    for (std::size_t p = 0; p < parts.size() && !tbb::is_current_task_group_canceling(); ++p) {
+      if (i < result[p].size()) result[p][i] = deform(parts[p].source->primitive, timeline.rig(), pose);
+    }
+  });
+  for_all(parts.size(), [&](std::size_t p) {
+    const Primitive& primitive = parts[p].source->primitive;
+    if (!parts[p].is_whole()) {
+      const Rig rig = timeline.rig().part(primitive.node, primitive.skin);
+      const Timeline own = timeline.part(rig, parts[p].begin, parts[p].end);
+      for (std::size_t i = 0; i < count; ++i)
+        result[p].push_back(deform(primitive, rig, own.pose(step_fraction(i, count))));
+    }
+    merge_if_still(result[p]);
+  });
+  return result;
 }
 
 /// Of the bounds over the shutter, which are looked at 33 times.
-double scene_diagonal(const std::vector<NamedPrimitive>& primitives, const Timeline& timeline) {
-  Scene corners;  // of what was seen so far, as the steps of a mesh
-  std::vector<VertexBuffer>& seen = corners.meshes.emplace_back().steps;
-  for (const Pose& pose : equidistant_poses(timeline, 33)) {
+double scene_diagonal(const std::vector<Part>& parts, const Timeline& timeline) {
+  constexpr std::size_t kLooks = 33;
+  Box3f box = Box3f::empty();
+  for (std::size_t i = 0; i < kLooks; ++i) {
     check_cancelled();
-    for (const NamedPrimitive& named : primitives) seen.push_back(deform(named.primitive, pose));
-    const Box3f box = corners.bounds();
-    seen.assign(1, VertexBuffer(2));
-    seen[0][0] = box.lower;
-    seen[0][1] = box.upper;
+    const Pose pose = timeline.pose(step_fraction(i, kLooks));
+    for (const Part& part : parts) {
+      const VertexBuffer positions = deform(part.source->primitive, timeline.rig(), pose);
+      for (const Vec3f& p : positions.span()) {
+        if (is_valid_position(p)) extend(box, p);
+      }
+    }
   }
-  return std::hypot(double{seen[0][1].x} - seen[0][0].x, double{seen[0][1].y} - seen[0][0].y,
-                    double{seen[0][1].z} - seen[0][0].z);
+  return std::hypot(double{box.upper.x} - box.lower.x, double{box.upper.y} - box.lower.y,
+                    double{box.upper.z} - box.lower.z);
 }
 
-/// As many steps for each primitive as it needs.
-std::vector<std::vector<VertexBuffer>> adaptive_steps(const std::vector<NamedPrimitive>& primitives,
-                                                      const Timeline& timeline, double share,
-                                                      const std::function<void(const std::string&)>& warn) {
-  const double diagonal = scene_diagonal(primitives, timeline);
-  std::vector<std::vector<VertexBuffer>> result;
+/// As many steps for each part as it needs.
+std::vector<Steps> adaptive_steps(const std::vector<Part>& parts, const Timeline& timeline, double share,
+                                  const SceneWarning& warn) {
+  const double diagonal = scene_diagonal(parts, timeline);
+  std::vector<Steps> result;
   std::size_t too_few = 0;
   double worst = 0;
-  for (const NamedPrimitive& named : primitives) {
-    AdaptiveSteps chosen = choose_steps(named.primitive, timeline, share * diagonal);
+  const Pose first = timeline.pose(0);
+  for (const Part& part : parts) {
+    const Primitive& primitive = part.source->primitive;
+    if (!moves(part, timeline)) {
+      result.emplace_back().push_back(deform(primitive, timeline.rig(), first));
+      continue;
+    }
+    const Rig rig = timeline.rig().part(primitive.node, primitive.skin);
+    AdaptiveSteps chosen =
+        choose_steps(primitive, timeline.part(rig, part.begin, part.end), share * diagonal);
     too_few += chosen.deviation > share * diagonal ? 1u : 0u;
     worst = std::max(worst, chosen.deviation);
     result.push_back(std::move(chosen.steps));
@@ -128,9 +259,21 @@ std::vector<std::vector<VertexBuffer>> adaptive_steps(const std::vector<NamedPri
     warn(
         fmt::format("{} of {} meshes stay further than {:.3g} of the diagonal from their true places even "
                     "with {} steps; the furthest {:.3g}",
-                    too_few, primitives.size(), share, kMaxSteps, worst / diagonal));
+                    too_few, parts.size(), share, kMaxSteps, worst / diagonal));
   }
   return result;
+}
+
+Mesh make_mesh(const Part& part, Steps steps) {
+  Mesh mesh;
+  mesh.name = part.source->name;
+  mesh.material = part.source->material;
+  mesh.indices = part.source->primitive.geometry->indices;
+  mesh.steps = std::move(steps);
+  if (part.is_whole()) return mesh;
+  mesh.time_range = {static_cast<float>(part.begin), static_cast<float>(part.end)};
+  if (mesh.is_static()) mesh.steps.push_back(mesh.steps.front());  // those with one step are always visible
+  return mesh;
 }
 
 void check_options(const GltfOptions& options) {
@@ -143,45 +286,50 @@ void check_options(const GltfOptions& options) {
   }
 }
 
-Scene load(const std::filesystem::path& file, const GltfOptions& options,
-           const std::function<void(const std::string&)>& warn) {
+Scene load(const std::filesystem::path& file, const GltfOptions& options, const SceneWarning& tell) {
+  const SceneWarning warn = [&](const std::string& sentence) {
+    if (tell) tell(fmt::format("{}: {}", file.string(), sentence));
+  };
   check_options(options);
-  const tinygltf::Model model = read_gltf_file(file);
-  const std::optional<Clip> clip = read_clip(model, options.clip);
+  const Model model = read_gltf_file(file);
   const NodeTree tree(model);
-  const Timeline timeline(model, tree, clip, options);
-  std::vector<NamedPrimitive> primitives =
-      read_primitives(model, tree, options.largest_deviation ? kMaxSteps : options.steps);
-  std::vector<std::vector<VertexBuffer>> steps;
-  if (options.largest_deviation) {
-    steps = adaptive_steps(primitives, timeline, *options.largest_deviation, warn);
-  } else {
-    const std::vector<Pose> poses = equidistant_poses(timeline, options.steps);
-    for (const NamedPrimitive& named : primitives) steps.push_back(all_steps(named.primitive, poses));
-  }
+  const std::vector<std::size_t> nodes = nodes_of_scene(model, tree, options.scene, warn);
+  const std::optional<ClipSource> clip_source = find_clip(model, options.clip);
+  const std::size_t most_steps = options.largest_deviation ? kMaxSteps : options.steps;
+  check_sizes(model, tree, nodes, clip_source ? &*clip_source : nullptr, most_steps);
+  warn_of_what_is_left_out(model, nodes, clip_source ? &*clip_source : nullptr, warn);
+
+  std::optional<Clip> clip;
+  if (clip_source) clip = read_clip(model, *clip_source);
+  const std::vector<Skin> skins = read_skins(model, nodes);
+  const Rig rig(model, tree, clip ? &*clip : nullptr, skins);
+  const Timeline timeline(rig, clip ? &*clip : nullptr, options);
+  PrimitiveReader reader(model, skins);
+  for (const std::size_t node : nodes) reader.add_node(node);
+  const std::vector<NamedPrimitive> primitives = reader.take();
+  if (primitives.empty()) fail("its scene has no triangles");
+  const std::vector<Part> parts = visible_parts(primitives, timeline);
+  if (parts.empty()) fail("all meshes of its scene are hidden");
+
+  std::vector<Steps> steps = options.largest_deviation
+                                 ? adaptive_steps(parts, timeline, *options.largest_deviation, warn)
+                                 : equidistant_steps(parts, timeline, options.steps);
   Scene scene;
   scene.name = file.stem().string();
-  for (std::size_t i = 0; i < primitives.size(); ++i) {
-    Mesh& mesh = scene.meshes.emplace_back();
-    mesh.name = std::move(primitives[i].name);
-    mesh.material.color = primitives[i].color;
-    mesh.steps = std::move(steps[i]);
-    mesh.indices = std::move(primitives[i].primitive.indices);
-  }
-  scene.camera = framing_camera(scene);
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    scene.meshes.push_back(make_mesh(parts[i], std::move(steps[i])));
+  leave_out_invalid_triangles(scene, file, tell);
+  if (scene.meshes.empty()) fail("none of its triangles can be shown");
+  add_surroundings(model, timeline, nodes, most_steps, warn, scene);
   return scene;
 }
 
 }  // namespace
 }  // namespace gltf
 
-Scene load_gltf(const std::filesystem::path& file, const GltfOptions& options,
-                const std::function<void(const std::string&)>& warn) {
-  const auto warn_of_file = [&](const std::string& sentence) {
-    if (warn) warn(fmt::format("{}: {}", file.string(), sentence));
-  };
+Scene load_gltf(const std::filesystem::path& file, const GltfOptions& options, const SceneWarning& warn) {
   try {
-    return gltf::load(file, options, warn_of_file);
+    return gltf::load(file, options, warn);
   } catch (const gltf::Problem& problem) {
     throw SceneFileError(fmt::format("{}: {}", file.string(), problem.what()));
   } catch (const std::bad_alloc&) {

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <filesystem>
-#include <functional>
 #include <optional>
 #include <string>
 
@@ -26,12 +25,16 @@ struct GltfOptions {
   /// true places; a share, between 0 and 1, of the diagonal of the scene's bounds over the shutter.
   std::optional<double> largest_deviation = std::nullopt;
   ShutterMode shutter_mode = ShutterMode::kClamp;
+  std::string scene{};  ///< name or index; empty: the default one, or the first that has a mesh
 };
 
 /// Reads a file and evaluates `steps` positions over the shutter, in world space. Primitives are concatenated
-/// in depth-first order of the default scene, one Mesh each; one that does not move gets one step. Tells
-/// `warn` a sentence where kMaxSteps steps are not enough for `largest_deviation`. Throws SceneFileError.
+/// in depth-first order of the scene, one Mesh for each of their instances; one that does not move gets one
+/// step. One that the animation shows and hides is a Mesh, with a time range of its own, for each time that
+/// it is to be seen. The camera is the file's first, or one that sees everything. Tells `warn` a sentence for
+/// each kind of thing that is left out, and where kMaxSteps steps are not enough for `largest_deviation`.
+/// Throws SceneFileError.
 Scene load_gltf(const std::filesystem::path& file, const GltfOptions& options = {},
-                const std::function<void(const std::string& sentence)>& warn = {});
+                const SceneWarning& warn = {});
 
 }  // namespace stbvh::harness

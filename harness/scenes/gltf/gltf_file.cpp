@@ -1,7 +1,5 @@
 #include "harness/scenes/gltf/gltf_file.h"
 
-#include <algorithm>
-#include <array>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
@@ -11,9 +9,15 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "harness/scenes/cancellation.h"
+#include "harness/scenes/gltf/json_object.h"
+#include "harness/scenes/gltf/model_reader.h"
 #include "harness/scenes/gltf/problem.h"
+#include "harness/scenes/gltf/uri.h"
+#include "harness/scenes/scene_file.h"
 
 namespace stbvh::harness::gltf {
 namespace {
@@ -21,7 +25,7 @@ namespace {
 using nlohmann::json;
 using Bytes = std::vector<unsigned char>;
 
-constexpr int kMaxJsonDepth = 100;  ///< tinygltf descends into extras and extensions by recursion
+constexpr int kMaxJsonDepth = 100;
 constexpr std::size_t kGlbHeaderSize = 12;
 constexpr std::size_t kChunkHeaderSize = 8;
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
@@ -99,13 +103,29 @@ Container split(std::span<const unsigned char> bytes) {
   return {text, std::nullopt};
 }
 
+/// Before anything is built. (A callback of the parser could count too, but with one it takes a time that
+/// grows with the square of an array's length.)
+void check_depth(std::string_view text) {
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string && c == '\\') {
+      ++i;
+    } else if (c == '"') {
+      in_string = !in_string;
+    } else if (!in_string && (c == '[' || c == '{')) {
+      if (++depth > kMaxJsonDepth) fail("its JSON is nested more than {} levels deep", kMaxJsonDepth);
+    } else if (!in_string && (c == ']' || c == '}')) {
+      --depth;
+    }
+  }
+}
+
 json parse_json(std::string_view text) {
-  const auto limit_depth = [](int depth, json::parse_event_t, json&) {
-    if (depth > kMaxJsonDepth) fail("its JSON is nested more than {} levels deep", kMaxJsonDepth);
-    return true;
-  };
+  check_depth(text);
   try {
-    json document = json::parse(text.begin(), text.end(), limit_depth);
+    json document = json::parse(text.begin(), text.end());
     if (!document.is_object()) fail("its JSON is not an object");
     return document;
   } catch (const json::parse_error& error) {
@@ -115,75 +135,11 @@ json parse_json(std::string_view text) {
   }
 }
 
-/// The array of that name, empty if there is none.
-const json& array_in(const json& object, const char* name) {
-  static const json kEmpty = json::array();
-  const auto found = object.find(name);
-  if (found == object.end()) return kEmpty;
-  if (!found->is_array()) fail("its \"{}\" is not an array", name);
-  return *found;
-}
-
-void check_version(const json& document) {
-  const auto asset = document.find("asset");
-  if (asset == document.end() || !asset->is_object() || !asset->contains("version") ||
-      !(*asset)["version"].is_string()) {
-    fail("it is not a glTF file: its JSON has no asset.version");
-  }
-  const std::string version = (*asset)["version"].get<std::string>();
-  if (!version.starts_with("2.")) fail("it is glTF version {}, only version 2 is supported", version);
-}
-
-/// Extensions that change only how surfaces look, or that the readers of accessors understand anyway.
-bool keeps_geometry(std::string_view extension) {
-  constexpr std::array<std::string_view, 8> kHarmlessPrefixes = {
-      "KHR_mesh_quantization", "KHR_materials_", "KHR_texture_transform", "KHR_lights_",
-      "EXT_texture_",          "EXT_lights_",    "MSFT_texture_dds",      "KHR_xmp"};
-  return std::any_of(kHarmlessPrefixes.begin(), kHarmlessPrefixes.end(),
-                     [&](std::string_view prefix) { return extension.starts_with(prefix); });
-}
-
-void check_required_extensions(const json& document) {
-  for (const json& entry : array_in(document, "extensionsRequired")) {
-    const std::string name = entry.is_string() ? entry.get<std::string>() : entry.dump();
-    if (keeps_geometry(name)) continue;
-    if (name == "KHR_draco_mesh_compression") {
-      fail("it requires Draco mesh compression ({}), which is not supported", name);
-    }
-    if (name == "EXT_meshopt_compression" || name == "KHR_meshopt_compression") {
-      fail("it requires meshopt compression ({}), which is not supported", name);
-    }
-    if (name == "KHR_texture_basisu") fail("it requires KTX textures ({}), which are not supported", name);
-    fail("it requires the extension {}, which is not supported", name);
-  }
-}
-
-std::string percent_decoded(std::string_view uri) {
-  const auto digit = [](char c) {
-    if (c >= '0' && c <= '9') return c - '0';
-    if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-    return c >= 'A' && c <= 'F' ? c - 'A' + 10 : -1;
-  };
-  std::string decoded;
-  for (std::size_t i = 0; i < uri.size(); ++i) {
-    if (uri[i] == '%' && i + 2 < uri.size() && digit(uri[i + 1]) >= 0 && digit(uri[i + 2]) >= 0) {
-      decoded.push_back(static_cast<char>(digit(uri[i + 1]) * 16 + digit(uri[i + 2])));
-      i += 2;
-    } else {
-      decoded.push_back(uri[i]);
-    }
-  }
-  return decoded;
-}
-
 Bytes bytes_behind_uri(const std::string& uri, std::size_t buffer, const std::filesystem::path& folder) {
-  if (uri.starts_with("data:")) {
-    Bytes bytes;
-    std::string mime_type;
-    if (!tinygltf::IsDataURI(uri) || !tinygltf::DecodeDataURI(&bytes, mime_type, uri, 0, false)) {
-      fail("the data URI of buffer {} cannot be decoded", buffer);
-    }
-    return bytes;
+  if (is_data_uri(uri)) {
+    std::optional<Bytes> bytes = decode_data_uri(uri);
+    if (!bytes) fail("the data URI of buffer {} cannot be decoded", buffer);
+    return std::move(*bytes);
   }
   const std::string name = percent_decoded(uri);
   return read_bytes(folder / std::filesystem::path(std::u8string(name.begin(), name.end())),
@@ -191,15 +147,12 @@ Bytes bytes_behind_uri(const std::string& uri, std::size_t buffer, const std::fi
 }
 
 /// The first byteLength bytes of what holds the buffer: a file, a data URI, or the binary chunk.
-Bytes read_buffer(const json& buffer, std::size_t number, const Container& container,
+Bytes read_buffer(const JsonObject& buffer, std::size_t number, const Container& container,
                   const std::filesystem::path& folder) {
-  const auto length = buffer.is_object() ? buffer.find("byteLength") : buffer.end();
-  if (length == buffer.end() || !length->is_number_unsigned()) fail("buffer {} has no byteLength", number);
-  const std::uint64_t byte_length = length->get<std::uint64_t>();
+  const std::size_t byte_length = buffer.required_whole_number("byteLength");
   Bytes bytes;
-  if (const auto uri = buffer.find("uri"); uri != buffer.end()) {
-    if (!uri->is_string()) fail("the uri of buffer {} is not text", number);
-    bytes = bytes_behind_uri(uri->get<std::string>(), number, folder);
+  if (buffer.has("uri")) {
+    bytes = bytes_behind_uri(buffer.text("uri"), number, folder);
   } else if (number == 0 && container.binary_chunk) {
     bytes.assign(container.binary_chunk->begin(), container.binary_chunk->end());
   } else {
@@ -208,57 +161,53 @@ Bytes read_buffer(const json& buffer, std::size_t number, const Container& conta
   if (byte_length > bytes.size()) {
     fail("buffer {} should have {} bytes, but only {} are there", number, byte_length, bytes.size());
   }
-  bytes.resize(static_cast<std::size_t>(byte_length));
+  bytes.resize(byte_length);
   return bytes;
 }
 
-tinygltf::Model parse_model(const json& document) {
-  tinygltf::Model model;
-  tinygltf::TinyGLTF parser;
-  const std::string text = document.dump();
-  if (text.size() > std::numeric_limits<unsigned>::max()) fail("its JSON is larger than 4 GB");
-  std::string error, warning;
-  bool parsed = false;
-  try {
-    parsed = parser.LoadASCIIFromString(&model, &error, &warning, text.data(),
-                                        static_cast<unsigned>(text.size()), "");
-  } catch (const std::exception& thrown) {
-    error = thrown.what();
+/// Which buffers accessors refer to. The others may be placeholders, or hold images.
+std::vector<bool> used_buffers(const Model& model, std::size_t count) {
+  std::vector<bool> used(count, false);
+  const auto use = [&](std::size_t view) {
+    if (view < model.views.size() && model.views[view].buffer < count) used[model.views[view].buffer] = true;
+  };
+  for (const Model::Accessor& accessor : model.accessors) {
+    if (accessor.view) use(*accessor.view);
+    if (!accessor.sparse) continue;
+    use(accessor.sparse->indices_view);
+    use(accessor.sparse->values_view);
   }
-  if (!parsed) fail("it is not valid glTF: {}", error.substr(0, error.find('\n')));
-  return model;
+  return used;
 }
 
-/// tinygltf drops primitives that it cannot read; a scene with holes would go unnoticed.
-void check_nothing_dropped(const json& document, const tinygltf::Model& model) {
-  const json& meshes = array_in(document, "meshes");
-  for (std::size_t i = 0; i < meshes.size(); ++i) {
-    if (model.meshes[i].primitives.size() != array_in(meshes[i], "primitives").size()) {
-      fail("mesh {} has a primitive without valid attributes", i);
+void read_buffers(const JsonObject& document, const Container& container, const std::filesystem::path& folder,
+                  Model& model) {
+  const std::vector<JsonObject> sources = document.objects("buffers");
+  const std::vector<bool> used = used_buffers(model, sources.size());
+  model.buffers.resize(sources.size());
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    sources[i].whole_number("byteLength");  // has the right type, wherever the buffer is used
+    if (!used[i]) continue;
+    check_cancelled();
+    try {
+      model.buffers[i].bytes = read_buffer(sources[i], i, container, folder);
+    } catch (const Problem& problem) {
+      model.buffers[i].problem = problem.what();
     }
+    model.bytes += model.buffers[i].bytes.size();
+    if (model.bytes > kMaxSceneFileBytes) fail("its buffers have more than {} GB", kMaxSceneFileBytes >> 30);
   }
 }
 
 }  // namespace
 
-tinygltf::Model read_gltf_file(const std::filesystem::path& file) {
+Model read_gltf_file(const std::filesystem::path& file) {
   const Bytes bytes = read_bytes(file, "the file");
   const Container container = split(bytes);
-  json document = parse_json(container.json);
-  check_version(document);
-  check_required_extensions(document);
-
-  std::vector<tinygltf::Buffer> buffers;
-  for (const json& entry : array_in(document, "buffers")) {
-    Bytes bytes_of_buffer = read_buffer(entry, buffers.size(), container, file.parent_path());
-    buffers.emplace_back().data = std::move(bytes_of_buffer);
-  }
-  for (const char* part : {"buffers", "images", "textures", "samplers", "cameras", "extras", "extensions"}) {
-    document.erase(part);
-  }
-  tinygltf::Model model = parse_model(document);
-  check_nothing_dropped(document, model);
-  model.buffers = std::move(buffers);
+  const json document = parse_json(container.json);
+  Model model = read_model(document);
+  model.bytes = bytes.size();
+  read_buffers(JsonObject(document, ""), container, file.parent_path(), model);
   return model;
 }
 

@@ -1,15 +1,15 @@
-/// From a path to tinygltf's model with all buffers in memory. Images are never opened.
+/// From a path to a model with all buffers in memory. Images are never opened.
 #pragma once
-
-#include <tiny_gltf.h>
 
 #include <filesystem>
 
+#include "harness/scenes/gltf/model.h"
+
 namespace stbvh::harness::gltf {
 
-/// Reads a .glb, or a .gltf and the buffers it refers to. The model has no images, textures, cameras or
-/// extras; each of its buffers has exactly the bytes its byteLength says. Indices between its parts are not
-/// checked yet. Throws Problem, also for files that require an extension which would change the geometry.
-tinygltf::Model read_gltf_file(const std::filesystem::path& file);
+/// Reads a .glb, or a .gltf and the buffers it refers to, those that an accessor needs. Each of them has
+/// exactly the bytes its byteLength says. Indices between the model's parts are not checked yet. Throws
+/// Problem.
+Model read_gltf_file(const std::filesystem::path& file);
 
 }  // namespace stbvh::harness::gltf

@@ -1,149 +1,184 @@
 #include "harness/scenes/gltf/pose.h"
 
 #include <algorithm>
-#include <span>
-
-#include "harness/scenes/gltf/problem.h"
+#include <numeric>
+#include <unordered_set>
+#include <utility>
 
 namespace stbvh::harness::gltf {
 namespace {
 
-std::size_t checked_node(const tinygltf::Model& model, int node, const char* who) {
-  if (node < 0 || static_cast<std::size_t>(node) >= model.nodes.size()) {
-    fail("{} refers to the missing node {}", who, node);
-  }
-  return static_cast<std::size_t>(node);
+const std::vector<double>& resting_weights(const Model& model, std::size_t node) {
+  const Model::Node& source = model.nodes[node];
+  const bool has_mesh = source.mesh && *source.mesh < model.meshes.size();
+  return source.weights.empty() && has_mesh ? model.meshes[*source.mesh].weights : source.weights;
 }
 
-std::vector<std::size_t> find_parents(const tinygltf::Model& model) {
-  std::vector<std::size_t> parents(model.nodes.size(), NodeTree::kNoParent);
-  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
-    for (const int index : model.nodes[i].children) {
-      const std::size_t child = checked_node(model, index, "a node");
-      if (parents[child] != NodeTree::kNoParent) fail("node {} is the child of more than one node", child);
-      parents[child] = i;
+void apply(const Channel& channel, double time, TranslationRotationScale& transform,
+           std::vector<double>& weights, bool& is_visible) {
+  switch (channel.target.property) {
+    case AnimatedProperty::kTranslation:
+      channel.evaluate(time, transform.translation);
+      break;
+    case AnimatedProperty::kRotation:
+      channel.evaluate(time, transform.rotation);
+      break;
+    case AnimatedProperty::kScale:
+      channel.evaluate(time, transform.scale);
+      break;
+    case AnimatedProperty::kWeights:
+      weights.resize(channel.width);
+      channel.evaluate(time, weights);
+      break;
+    case AnimatedProperty::kWeight:
+      if (channel.target.weight < weights.size())
+        channel.evaluate(time, std::span(weights).subspan(channel.target.weight, 1));
+      break;
+    case AnimatedProperty::kVisibility: {
+      double value = 1;
+      channel.evaluate(time, {&value, 1});
+      is_visible = value != 0;
+      break;
     }
   }
-  return parents;
-}
-
-/// `roots` and all below them, depth first, without recursion: files may be deep.
-std::vector<std::size_t> walk(const tinygltf::Model& model, std::vector<std::size_t> roots) {
-  std::vector<std::size_t> order;
-  std::reverse(roots.begin(), roots.end());
-  for (std::vector<std::size_t>& open = roots; !open.empty();) {
-    const std::size_t node = open.back();
-    open.pop_back();
-    order.push_back(node);
-    const std::vector<int>& children = model.nodes[node].children;
-    for (auto child = children.rbegin(); child != children.rend(); ++child) {
-      open.push_back(static_cast<std::size_t>(*child));
-    }
-  }
-  return order;
-}
-
-const tinygltf::Scene* default_scene(const tinygltf::Model& model) {
-  if (model.defaultScene < 0) return model.scenes.empty() ? nullptr : &model.scenes.front();
-  if (static_cast<std::size_t>(model.defaultScene) >= model.scenes.size()) {
-    fail("its default scene {} is missing", model.defaultScene);
-  }
-  return &model.scenes[static_cast<std::size_t>(model.defaultScene)];
-}
-
-template <std::size_t N>
-void take(const std::vector<double>& numbers, std::size_t node, const char* what,
-          std::array<double, N>& target) {
-  if (numbers.empty()) return;
-  if (numbers.size() != N)
-    fail("the {} of node {} has {} numbers instead of {}", what, node, numbers.size(), N);
-  std::copy(numbers.begin(), numbers.end(), target.begin());
-}
-
-TranslationRotationScale resting_transform(const tinygltf::Model& model, std::size_t node) {
-  const tinygltf::Node& source = model.nodes[node];
-  TranslationRotationScale transform;
-  take(source.translation, node, "translation", transform.translation);
-  take(source.rotation, node, "rotation", transform.rotation);
-  take(source.scale, node, "scale", transform.scale);
-  return transform;
-}
-
-std::vector<double> resting_weights(const tinygltf::Model& model, std::size_t node) {
-  const tinygltf::Node& source = model.nodes[node];
-  if (!source.weights.empty() || source.mesh < 0 ||
-      static_cast<std::size_t>(source.mesh) >= model.meshes.size()) {
-    return source.weights;
-  }
-  return model.meshes[static_cast<std::size_t>(source.mesh)].weights;
-}
-
-Affine local_matrix(const tinygltf::Model& model, std::size_t node,
-                    const TranslationRotationScale& transform) {
-  if (model.nodes[node].matrix.empty()) return transform.matrix();
-  std::array<double, 16> columns{};
-  take(model.nodes[node].matrix, node, "matrix", columns);
-  return Affine::from_columns(columns);
 }
 
 }  // namespace
 
-NodeTree::NodeTree(const tinygltf::Model& model) : parents_(find_parents(model)) {
-  std::vector<std::size_t> roots;
-  for (std::size_t i = 0; i < parents_.size(); ++i) {
-    if (parents_[i] == kNoParent) roots.push_back(i);
+Rig::Rig(const Model& model, const NodeTree& tree, const Clip* clip, const std::vector<Skin>& skins)
+    : model_(model), tree_(tree), skins_(skins), nodes_(tree.parents_first()), skin_slots_(skins.size()) {
+  std::iota(skin_slots_.begin(), skin_slots_.end(), std::size_t{0});
+  if (clip != nullptr) {
+    for (const Channel& channel : clip->channels) channels_.push_back(&channel);
   }
-  parents_first_ = walk(model, roots);
-  // Each node has one parent at most, so the only nodes that no root leads to are those on and below cycles.
-  if (parents_first_.size() != parents_.size()) fail("its nodes form a cycle");
-
-  if (const tinygltf::Scene* scene = default_scene(model)) {
-    roots.clear();
-    std::vector<bool> listed(parents_.size(), false);
-    for (const int index : scene->nodes) {
-      const std::size_t node = checked_node(model, index, "the scene");
-      if (listed[node]) fail("node {} is listed twice in the scene", node);
-      if (parents_[node] != kNoParent)
-        fail("node {} of the scene is not a root, but below node {}", node, parents_[node]);
-      listed[node] = true;
-      roots.push_back(node);
-    }
-  }
-  scene_nodes_ = walk(model, roots);
+  std::stable_sort(channels_.begin(), channels_.end(), [&](const Channel* a, const Channel* b) {
+    return tree.rank(a->target.node) < tree.rank(b->target.node);
+  });
+  find_what_moves();
 }
 
-Pose pose_at(const tinygltf::Model& model, const NodeTree& tree, const Clip* clip, double time) {
-  const std::size_t count = model.nodes.size();
+Rig::Rig(const Rig& whole, std::vector<std::size_t> nodes, std::vector<std::size_t> skins)
+    : model_(whole.model_),
+      tree_(whole.tree_),
+      skins_(whole.skins_),
+      nodes_(std::move(nodes)),
+      skin_slots_(std::move(skins)) {
+  struct ByRank {
+    const NodeTree& tree;
+    bool operator()(const Channel* channel, std::size_t rank) const {
+      return tree.rank(channel->target.node) < rank;
+    }
+    bool operator()(std::size_t rank, const Channel* channel) const {
+      return rank < tree.rank(channel->target.node);
+    }
+  };
+  for (const std::size_t node : nodes_) {
+    const auto [first, last] =
+        std::equal_range(whole.channels_.begin(), whole.channels_.end(), tree_.rank(node), ByRank{tree_});
+    channels_.insert(channels_.end(), first, last);
+  }
+  find_what_moves();
+}
+
+Rig Rig::part(std::size_t node, std::optional<std::size_t> skin) const {
+  std::unordered_set<std::size_t> found;
+  const auto add_with_parents = [&](std::size_t at) {
+    while (at != NodeTree::kNoParent && found.insert(at).second) at = tree_.parent(at);
+  };
+  add_with_parents(node);
+  std::vector<std::size_t> skins;
+  if (skin) {
+    skins.push_back(*skin);
+    for (const std::size_t joint : skins_[*skin].nodes) add_with_parents(joint);
+  }
+  std::vector<std::size_t> nodes(found.begin(), found.end());
+  std::sort(nodes.begin(), nodes.end(),
+            [&](std::size_t a, std::size_t b) { return tree_.rank(a) < tree_.rank(b); });
+  return {*this, std::move(nodes), std::move(skins)};
+}
+
+void Rig::find_what_moves() {
+  moves_.resize(nodes_.size());
+  blinks_.resize(nodes_.size());
+  for (const Channel* channel : channels_) {
+    const std::size_t i = slot(channel->target.node);
+    const AnimatedProperty property = channel->target.property;
+    if (property == AnimatedProperty::kVisibility) blinks_[i] = true;
+    if (property == AnimatedProperty::kTranslation || property == AnimatedProperty::kRotation ||
+        property == AnimatedProperty::kScale)
+      moves_[i] = true;
+  }
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    if (tree_.parent(nodes_[i]) == NodeTree::kNoParent) continue;
+    const std::size_t parent = slot(tree_.parent(nodes_[i]));
+    if (moves_[parent]) moves_[i] = true;
+    if (blinks_[parent]) blinks_[i] = true;
+  }
+}
+
+std::size_t Rig::slot(std::size_t node) const {
+  const std::size_t rank = tree_.rank(node);
+  if (nodes_.size() == tree_.parents_first().size()) return rank;
+  const auto found = std::lower_bound(nodes_.begin(), nodes_.end(), rank,
+                                      [&](std::size_t n, std::size_t r) { return tree_.rank(n) < r; });
+  return static_cast<std::size_t>(found - nodes_.begin());
+}
+
+std::size_t Rig::skin_slot(std::size_t skin) const {
+  return static_cast<std::size_t>(std::lower_bound(skin_slots_.begin(), skin_slots_.end(), skin) -
+                                  skin_slots_.begin());
+}
+
+bool Rig::moves_mesh(std::size_t node, std::optional<std::size_t> skin) const {
+  const auto at = [&](const Channel* channel) { return tree_.rank(channel->target.node); };
+  const auto first = std::partition_point(channels_.begin(), channels_.end(), [&](const Channel* channel) {
+    return at(channel) < tree_.rank(node);
+  });
+  for (auto channel = first; channel != channels_.end() && (*channel)->target.node == node; ++channel) {
+    const AnimatedProperty property = (*channel)->target.property;
+    if (property == AnimatedProperty::kWeights || property == AnimatedProperty::kWeight) return true;
+  }
+  if (!skin) return moves(node);
+  const std::vector<std::size_t>& joints = skins_[*skin].nodes;
+  return std::any_of(joints.begin(), joints.end(), [&](std::size_t joint) { return moves(joint); });
+}
+
+/// As in the file.
+void Rig::rest(Pose& pose, std::vector<TranslationRotationScale>& transforms) const {
+  const std::size_t count = nodes_.size();
+  transforms.reserve(count);
+  pose.weights.reserve(count);
+  pose.visible.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    transforms.push_back(model_.nodes[nodes_[i]].transform);
+    pose.weights.push_back(resting_weights(model_, nodes_[i]));
+    pose.visible[i] = model_.nodes[nodes_[i]].is_visible;
+  }
+}
+
+Pose Rig::pose(double time) const {
   Pose pose;
   std::vector<TranslationRotationScale> transforms;
-  for (std::size_t i = 0; i < count; ++i) {
-    transforms.push_back(resting_transform(model, i));
-    pose.weights.push_back(resting_weights(model, i));
+  rest(pose, transforms);
+  for (const Channel* channel : channels_) {
+    const std::size_t i = slot(channel->target.node);
+    bool is_visible = pose.visible[i];
+    apply(*channel, time, transforms[i], pose.weights[i], is_visible);
+    pose.visible[i] = is_visible;
   }
-  for (const Channel& channel :
-       clip ? std::span<const Channel>(clip->channels) : std::span<const Channel>()) {
-    TranslationRotationScale& transform = transforms[channel.node];
-    switch (channel.property) {
-      case AnimatedProperty::kTranslation:
-        channel.evaluate(time, transform.translation);
-        break;
-      case AnimatedProperty::kRotation:
-        channel.evaluate(time, transform.rotation);
-        break;
-      case AnimatedProperty::kScale:
-        channel.evaluate(time, transform.scale);
-        break;
-      case AnimatedProperty::kWeights:
-        pose.weights[channel.node].resize(channel.width);
-        channel.evaluate(time, pose.weights[channel.node]);
-        break;
-    }
+  pose.world.resize(nodes_.size());
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    const Model::Node& source = model_.nodes[nodes_[i]];
+    pose.world[i] = source.matrix ? Affine::from_columns(*source.matrix) : transforms[i].matrix();
+    if (tree_.parent(nodes_[i]) == NodeTree::kNoParent) continue;
+    const std::size_t parent = slot(tree_.parent(nodes_[i]));
+    pose.world[i] = pose.world[parent] * pose.world[i];
+    pose.visible[i] = pose.visible[i] && pose.visible[parent];
   }
-  pose.world.resize(count);
-  for (const std::size_t node : tree.parents_first()) {
-    const Affine local = local_matrix(model, node, transforms[node]);
-    const std::size_t parent = tree.parent(node);
-    pose.world[node] = parent == NodeTree::kNoParent ? local : pose.world[parent] * local;
+  for (const std::size_t skin : skin_slots_) {
+    std::vector<Affine>& joints = pose.joints.emplace_back();
+    for (std::size_t j = 0; j < skins_[skin].nodes.size(); ++j)
+      joints.push_back(pose.world[slot(skins_[skin].nodes[j])] * skins_[skin].inverse_bind[j]);
   }
   return pose;
 }

@@ -1,42 +1,69 @@
-/// The node tree of a glTF file and its state at one time of a clip.
+/// Where the nodes and joints of a glTF file are at one time of a clip.
 #pragma once
 
-#include <tiny_gltf.h>
-
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "harness/scenes/gltf/clip.h"
+#include "harness/scenes/gltf/model.h"
+#include "harness/scenes/gltf/node_tree.h"
 #include "harness/scenes/gltf/transform.h"
 
 namespace stbvh::harness::gltf {
 
-/// Parents, and orders to walk in. The nodes are a forest, or the constructor throws Problem.
-class NodeTree {
- public:
-  static constexpr std::size_t kNoParent = static_cast<std::size_t>(-1);
-
-  explicit NodeTree(const tinygltf::Model& model);
-
-  std::size_t parent(std::size_t node) const { return parents_[node]; }
-  /// All nodes, each behind its parent.
-  const std::vector<std::size_t>& parents_first() const { return parents_first_; }
-  /// The nodes of the default scene (or the first, or all where there is none), depth first.
-  const std::vector<std::size_t>& scene_nodes() const { return scene_nodes_; }
-
- private:
-  std::vector<std::size_t> parents_;
-  std::vector<std::size_t> parents_first_;
-  std::vector<std::size_t> scene_nodes_;
+/// The joints of a skin: node and inverse bind matrix of each.
+struct Skin {
+  std::vector<std::size_t> nodes;
+  std::vector<Affine> inverse_bind;
 };
 
-/// Everything that moves, at one time. Indexed by node.
+/// Everything that moves, at one time. Indexed by Rig::slot and Rig::skin_slot.
 struct Pose {
   std::vector<Affine> world;
   std::vector<std::vector<double>> weights;  ///< of the morph targets of the node's mesh
+  std::vector<bool> visible;                 ///< the node and all above it
+  std::vector<std::vector<Affine>> joints;   ///< of each skin
 };
 
-/// What the clip does not animate, or everything without a clip, stands as in the file. Throws Problem.
-Pose pose_at(const tinygltf::Model& model, const NodeTree& tree, const Clip* clip, double time);
+/// Nodes, skins and the channels that move them: all of a file, or the few that one mesh follows. Refers to
+/// model, tree, clip and skins.
+class Rig {
+ public:
+  /// Of a whole file. `skins` is indexed as there; those that are not used may be empty.
+  Rig(const Model& model, const NodeTree& tree, const Clip* clip, const std::vector<Skin>& skins);
+
+  /// What the mesh of `node` follows, with that skin if there is one.
+  Rig part(std::size_t node, std::optional<std::size_t> skin) const;
+
+  /// The place of a node of the file in a pose.
+  std::size_t slot(std::size_t node) const;
+  std::size_t skin_slot(std::size_t skin) const;
+
+  /// What the clip does not animate, or everything without a clip, stands as in the file.
+  Pose pose(double time) const;
+
+  /// Whether the clip moves a node or one above it; or the mesh at it, with that skin.
+  bool moves(std::size_t node) const { return moves_[slot(node)]; }
+  bool moves_mesh(std::size_t node, std::optional<std::size_t> skin) const;
+  /// Whether the clip shows and hides a node or one above it.
+  bool blinks(std::size_t node) const { return blinks_[slot(node)]; }
+
+  /// Ordered by the rank of what they move.
+  const std::vector<const Channel*>& channels() const { return channels_; }
+
+ private:
+  Rig(const Rig& whole, std::vector<std::size_t> nodes, std::vector<std::size_t> skins);
+  void find_what_moves();
+  void rest(Pose& pose, std::vector<TranslationRotationScale>& transforms) const;
+
+  const Model& model_;
+  const NodeTree& tree_;
+  const std::vector<Skin>& skins_;
+  std::vector<std::size_t> nodes_;       ///< of the file, in the tree's order
+  std::vector<std::size_t> skin_slots_;  ///< which skins, ascending
+  std::vector<const Channel*> channels_;
+  std::vector<bool> moves_, blinks_;
+};
 
 }  // namespace stbvh::harness::gltf

@@ -1,6 +1,7 @@
 #include "harness/scenes/gltf/primitive.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -13,24 +14,24 @@
 namespace stbvh::harness::gltf {
 namespace {
 
-std::optional<int> attribute(const std::map<std::string, int>& attributes, const std::string& name) {
+Model::Index attribute(const Model::Attributes& attributes, const std::string& name) {
   const auto found = attributes.find(name);
-  return found == attributes.end() ? std::nullopt : std::optional<int>(found->second);
+  return found == attributes.end() ? std::nullopt : Model::Index(found->second);
 }
 
-std::vector<std::uint32_t> read_indices(const tinygltf::Model& model, const tinygltf::Primitive& source,
+std::vector<std::uint32_t> read_indices(const Model& model, const Model::Primitive& source,
                                         std::size_t vertex_count) {
   if (vertex_count > std::numeric_limits<std::uint32_t>::max()) fail("a mesh has {} vertices", vertex_count);
   std::vector<std::uint32_t> indices;
-  if (source.indices == -1) {
+  if (!source.indices) {
     indices.resize(vertex_count);
     std::iota(indices.begin(), indices.end(), 0u);
     return indices;
   }
-  indices = read_integers(model, source.indices, TINYGLTF_TYPE_SCALAR, "indices");
+  indices = read_integers(model, *source.indices, ElementType::kScalar, "indices");
   for (const std::uint32_t index : indices) {
     if (index >= vertex_count) {
-      fail("accessor {} (indices) has the index {}, but there are only {} vertices", source.indices, index,
+      fail("accessor {} (indices) has the index {}, but there are only {} vertices", *source.indices, index,
            vertex_count);
     }
   }
@@ -50,38 +51,14 @@ std::vector<std::uint32_t> separate_triangles(const std::vector<std::uint32_t>& 
   return triangles;
 }
 
-std::vector<std::uint32_t> read_triangles(const tinygltf::Model& model, const tinygltf::Primitive& source,
+std::vector<std::uint32_t> read_triangles(const Model& model, const Model::Primitive& source,
                                           std::size_t vertex_count) {
   std::vector<std::uint32_t> indices = read_indices(model, source, vertex_count);
-  if (source.mode != TINYGLTF_MODE_TRIANGLES) {
-    return separate_triangles(indices, source.mode == TINYGLTF_MODE_TRIANGLE_FAN);
+  if (source.mode != kTriangles) {
+    return separate_triangles(indices, source.mode == kTriangleFan);
   }
   indices.resize(indices.size() - indices.size() % 3);
   return indices;
-}
-
-Skin read_skin(const tinygltf::Model& model, int index) {
-  if (index < 0 || static_cast<std::size_t>(index) >= model.skins.size()) fail("skin {} is missing", index);
-  const tinygltf::Skin& source = model.skins[static_cast<std::size_t>(index)];
-  Skin skin;
-  for (const int joint : source.joints) {
-    if (joint < 0 || static_cast<std::size_t>(joint) >= model.nodes.size()) {
-      fail("skin {} refers to the missing node {}", index, joint);
-    }
-    skin.nodes.push_back(static_cast<std::size_t>(joint));
-  }
-  skin.inverse_bind.resize(skin.nodes.size());
-  if (source.inverseBindMatrices == -1) return skin;
-  const std::vector<double> numbers =
-      read_numbers(model, source.inverseBindMatrices, TINYGLTF_TYPE_MAT4, "inverse bind matrices");
-  if (numbers.size() / 16 < skin.nodes.size()) {
-    fail("skin {} has {} joints, but only {} inverse bind matrices", index, skin.nodes.size(),
-         numbers.size() / 16);
-  }
-  for (std::size_t i = 0; i < skin.nodes.size(); ++i) {
-    skin.inverse_bind[i] = Affine::from_columns(std::span(numbers).subspan(16 * i).first<16>());
-  }
-  return skin;
 }
 
 /// Makes the weights of each vertex sum to 1. Those that are NaN, infinite or negative count as zero; a
@@ -101,8 +78,7 @@ void normalize_weights(Influences& influences) {
 }
 
 /// JOINTS_0, WEIGHTS_0 and further sets, side by side for each vertex. None: nothing is skinned.
-Influences read_influences(const tinygltf::Model& model, const tinygltf::Primitive& source,
-                           std::size_t vertex_count, std::size_t joint_count) {
+Influences read_influences(const Model& model, const Model::Primitive& source, std::size_t vertex_count) {
   std::vector<std::vector<std::uint32_t>> joints;
   std::vector<std::vector<double>> weights;
   for (int set = 0;; ++set) {
@@ -111,8 +87,8 @@ Influences read_influences(const tinygltf::Model& model, const tinygltf::Primiti
     const auto joints_of_set = attribute(source.attributes, joints_name);
     const auto weights_of_set = attribute(source.attributes, weights_name);
     if (!joints_of_set || !weights_of_set) break;
-    joints.push_back(read_integers(model, *joints_of_set, TINYGLTF_TYPE_VEC4, joints_name));
-    weights.push_back(read_numbers(model, *weights_of_set, TINYGLTF_TYPE_VEC4, weights_name));
+    joints.push_back(read_integers(model, *joints_of_set, ElementType::kVec4, joints_name));
+    weights.push_back(read_numbers(model, *weights_of_set, ElementType::kVec4, weights_name));
     if (joints.back().size() != 4 * vertex_count || weights.back().size() != 4 * vertex_count) {
       fail("{} and {} do not have as many elements as there are vertices", joints_name, weights_name);
     }
@@ -132,31 +108,19 @@ Influences read_influences(const tinygltf::Model& model, const tinygltf::Primiti
   }
   if (influences.per_vertex > 0) normalize_weights(influences);
   for (std::size_t i = 0; i < influences.joints.size(); ++i) {
-    if (influences.weights[i] > 0 && influences.joints[i] >= joint_count) {
-      fail("a vertex follows joint {} of a skin with {} joints", influences.joints[i], joint_count);
-    }
+    if (influences.weights[i] > 0)
+      influences.joint_count = std::max(influences.joint_count, std::size_t{influences.joints[i]} + 1);
   }
   return influences;
 }
 
-/// The matrix of each joint; a skin's own node does not appear in it. None without a skin.
-std::vector<Affine> joint_matrices(const Primitive& primitive, const Pose& pose) {
-  std::vector<Affine> matrices;
-  if (!primitive.skin) return matrices;
-  const Skin& skin = *primitive.skin;
-  for (std::size_t i = 0; i < skin.nodes.size(); ++i) {
-    matrices.push_back(pose.world[skin.nodes[i]] * skin.inverse_bind[i]);
-  }
-  return matrices;
-}
-
-Vec3 morphed(const Primitive& primitive, const std::vector<double>& weights, std::size_t vertex) {
-  const double* const p = &primitive.positions[3 * vertex];
+Vec3 morphed(const Geometry& geometry, const std::vector<double>& weights, std::size_t vertex) {
+  const double* const p = &geometry.positions[3 * vertex];
   Vec3 position{p[0], p[1], p[2]};
-  const std::size_t count = std::min(primitive.targets.size(), weights.size());
+  const std::size_t count = std::min(geometry.targets.size(), weights.size());
   for (std::size_t t = 0; t < count; ++t) {
-    if (weights[t] == 0 || primitive.targets[t].empty()) continue;
-    for (std::size_t i = 0; i < 3; ++i) position[i] += weights[t] * primitive.targets[t][3 * vertex + i];
+    if (weights[t] == 0 || geometry.targets[t].empty()) continue;
+    for (std::size_t i = 0; i < 3; ++i) position[i] += weights[t] * geometry.targets[t][3 * vertex + i];
   }
   return position;
 }
@@ -178,59 +142,125 @@ float rounded(double value) {
   return value > 0 ? kInfinity : -kInfinity;
 }
 
-/// A vertex of the primitive in world space.
-Vec3f place(const Primitive& primitive, const Pose& pose, const std::vector<Affine>& joints,
-            std::size_t vertex) {
-  const Vec3 p = morphed(primitive, pose.weights[primitive.node], vertex);
-  const Vec3 q = primitive.skin ? blended(primitive.influences, joints, vertex).apply(p)
-                                : pose.world[primitive.node].apply(p);
+/// What moves the vertices of a primitive in a pose.
+struct Placement {
+  const Geometry& geometry;
+  const std::vector<double>& weights;
+  Affine world;
+  const std::vector<Affine>* joints;  ///< null: it has no skin
+};
+
+Placement placement(const Primitive& primitive, const Rig& rig, const Pose& pose) {
+  const std::size_t slot = rig.slot(primitive.node);
+  return {*primitive.geometry, pose.weights[slot], pose.world[slot] * primitive.instance,
+          primitive.skin ? &pose.joints[rig.skin_slot(*primitive.skin)] : nullptr};
+}
+
+/// A vertex in world space.
+Vec3f place(const Placement& at, std::size_t vertex) {
+  const Vec3 p = morphed(at.geometry, at.weights, vertex);
+  const Vec3 q = at.joints ? blended(at.geometry.influences, *at.joints, vertex).apply(p) : at.world.apply(p);
   return {rounded(q[0]), rounded(q[1]), rounded(q[2])};
 }
 
-bool has_triangles(int mode) {
-  return mode == TINYGLTF_MODE_TRIANGLES || mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
-         mode == TINYGLTF_MODE_TRIANGLE_FAN;
+/// The element of that attribute for each instance; none where it is not there.
+template <std::size_t N>
+std::vector<std::array<double, N>> instance_attribute(const Model& model, std::size_t node, const char* name,
+                                                      ElementType type) {
+  std::vector<std::array<double, N>> elements;
+  const auto accessor = attribute(*model.nodes[node].instances, name);
+  if (!accessor) return elements;
+  const std::vector<double> numbers = read_numbers(model, *accessor, type, name);
+  elements.resize(numbers.size() / N);
+  for (std::size_t i = 0; i < numbers.size(); ++i) elements[i / N][i % N] = numbers[i];
+  return elements;
 }
 
 }  // namespace
 
-std::optional<Primitive> read_primitive(const tinygltf::Model& model, std::size_t node,
-                                        const tinygltf::Primitive& source) {
-  const auto position = attribute(source.attributes, "POSITION");
-  if (!has_triangles(source.mode) || !position) return std::nullopt;
-  Primitive primitive;
-  primitive.node = node;
-  primitive.positions = read_numbers(model, *position, TINYGLTF_TYPE_VEC3, "POSITION");
-  primitive.indices = read_triangles(model, source, primitive.vertex_count());
-  if (primitive.indices.empty()) return std::nullopt;
-  for (const auto& target : source.targets) {
-    std::vector<double>& offsets = primitive.targets.emplace_back();
-    const auto moved = attribute(target, "POSITION");
-    if (!moved) continue;
-    offsets = read_numbers(model, *moved, TINYGLTF_TYPE_VEC3, "POSITION of a morph target");
-    if (offsets.size() != primitive.positions.size()) {
-      fail("a morph target has {} vertices, its mesh {}", offsets.size() / 3, primitive.vertex_count());
-    }
-  }
-  if (const int skin = model.nodes[node].skin; skin != -1) {
-    primitive.skin = read_skin(model, skin);
-    primitive.influences =
-        read_influences(model, source, primitive.vertex_count(), primitive.skin->nodes.size());
-    if (primitive.influences.per_vertex == 0) primitive.skin.reset();
-  }
-  return primitive;
+bool has_triangles(const Model::Primitive& source) {
+  return source.mode >= kTriangles && source.attributes.contains("POSITION");
 }
 
-VertexBuffer deform(const Primitive& primitive, const Pose& pose) {
-  const std::vector<Affine> joints = joint_matrices(primitive, pose);
-  VertexBuffer buffer(primitive.vertex_count());
-  for (std::size_t vertex = 0; vertex < primitive.vertex_count(); ++vertex)
-    buffer[vertex] = place(primitive, pose, joints, vertex);
+std::shared_ptr<const Geometry> read_geometry(const Model& model, const Model::Primitive& source,
+                                              bool is_skinned) {
+  auto geometry = std::make_shared<Geometry>();
+  geometry->positions = read_numbers(model, source.attributes.at("POSITION"), ElementType::kVec3, "POSITION");
+  geometry->indices = read_triangles(model, source, geometry->vertex_count());
+  for (const Model::Attributes& target : source.targets) {
+    std::vector<double>& offsets = geometry->targets.emplace_back();
+    const auto moved = attribute(target, "POSITION");
+    if (!moved) continue;
+    offsets = read_numbers(model, *moved, ElementType::kVec3, "POSITION of a morph target");
+    if (offsets.size() != geometry->positions.size())
+      fail("a morph target has {} vertices, its mesh {}", offsets.size() / 3, geometry->vertex_count());
+  }
+  if (is_skinned) geometry->influences = read_influences(model, source, geometry->vertex_count());
+  return geometry;
+}
+
+void check_joints(const Geometry& geometry, const Skin& skin) {
+  if (geometry.influences.joint_count > skin.nodes.size()) {
+    fail("a vertex follows joint {} of a skin with {} joints", geometry.influences.joint_count - 1,
+         skin.nodes.size());
+  }
+}
+
+Skin read_skin(const Model& model, std::size_t index) {
+  if (index >= model.skins.size()) fail("skin {} is missing", index);
+  const Model::Skin& source = model.skins[index];
+  Skin skin;
+  skin.nodes = source.joints;
+  for (const std::size_t joint : skin.nodes) {
+    if (joint >= model.nodes.size()) fail("skin {} refers to the missing node {}", index, joint);
+  }
+  skin.inverse_bind.resize(skin.nodes.size());
+  if (!source.inverse_bind) return skin;
+  const std::vector<double> numbers =
+      read_numbers(model, *source.inverse_bind, ElementType::kMat4, "inverse bind matrices");
+  if (numbers.size() / 16 < skin.nodes.size()) {
+    fail("skin {} has {} joints, but only {} inverse bind matrices", index, skin.nodes.size(),
+         numbers.size() / 16);
+  }
+  for (std::size_t i = 0; i < skin.nodes.size(); ++i) {
+    skin.inverse_bind[i] = Affine::from_columns(std::span(numbers).subspan(16 * i).first<16>());
+  }
+  return skin;
+}
+
+std::vector<Affine> read_instances(const Model& model, std::size_t node) {
+  if (!model.nodes[node].instances) return {Affine()};
+  const Model::Attributes& attributes = *model.nodes[node].instances;
+  if (attributes.empty()) fail("the instances of node {} have no attributes", node);
+  const std::size_t count = accessor_at(model, attributes.begin()->second, "instances").count;
+  for (const auto& [name, accessor] : attributes) {
+    if (accessor_at(model, accessor, name).count != count)
+      fail("the attributes of the instances of node {} have different counts", node);
+  }
+  const auto translations = instance_attribute<3>(model, node, "TRANSLATION", ElementType::kVec3);
+  const auto rotations = instance_attribute<4>(model, node, "ROTATION", ElementType::kVec4);
+  const auto scales = instance_attribute<3>(model, node, "SCALE", ElementType::kVec3);
+  std::vector<Affine> instances;
+  instances.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    TranslationRotationScale transform;
+    if (!translations.empty()) transform.translation = translations[i];
+    if (!rotations.empty()) transform.rotation = rotations[i];
+    if (!scales.empty()) transform.scale = scales[i];
+    instances.push_back(transform.matrix());
+  }
+  return instances;
+}
+
+VertexBuffer deform(const Primitive& primitive, const Rig& rig, const Pose& pose) {
+  const Placement at = placement(primitive, rig, pose);
+  VertexBuffer buffer(primitive.geometry->vertex_count());
+  for (std::size_t vertex = 0; vertex < buffer.size(); ++vertex) buffer[vertex] = place(at, vertex);
   return buffer;
 }
 
-Vec3f deform_vertex(const Primitive& primitive, const Pose& pose, std::size_t vertex) {
-  return place(primitive, pose, joint_matrices(primitive, pose), vertex);
+Vec3f deform_vertex(const Primitive& primitive, const Rig& rig, const Pose& pose, std::size_t vertex) {
+  return place(placement(primitive, rig, pose), vertex);
 }
 
 }  // namespace stbvh::harness::gltf

@@ -7,12 +7,10 @@
 
 namespace stbvh::harness::gltf {
 
-Timeline::Timeline(const tinygltf::Model& model, const NodeTree& tree, const std::optional<Clip>& clip,
-                   const GltfOptions& options)
-    : model_(model), tree_(tree), clip_(clip ? &*clip : nullptr) {
-  if (clip_ != nullptr) {
-    begin_ = clip_->begin;
-    end_ = clip_->end;
+Timeline::Timeline(const Rig& rig, const Clip* clip, const GltfOptions& options) : rig_(&rig) {
+  if (clip != nullptr) {
+    begin_ = clip_begin_ = clip->begin;
+    end_ = clip_end_ = clip->end;
     loops_ = options.shutter_mode == ShutterMode::kLoop && period() > 0;
   }
   if (!options.shutter_seconds) return;
@@ -28,26 +26,34 @@ Timeline::Timeline(const tinygltf::Model& model, const NodeTree& tree, const std
   }
 }
 
+Timeline Timeline::part(const Rig& rig, double begin, double end) const {
+  Timeline timeline = *this;
+  timeline.rig_ = &rig;
+  timeline.begin_ = begin_ + (end_ - begin_) * begin;
+  if (end < 1) timeline.end_ = begin_ + (end_ - begin_) * end;
+  return timeline;
+}
+
 double Timeline::clip_time(double time) const {
-  if (!loops_ || (time >= clip_->begin && time <= clip_->end)) return time;
-  const double behind = std::fmod(time - clip_->begin, period());
-  return clip_->begin + (behind < 0 ? behind + period() : behind);
+  if (!loops_ || (time >= clip_begin_ && time <= clip_end_)) return time;
+  const double behind = std::fmod(time - clip_begin_, period());
+  return clip_begin_ + (behind < 0 ? behind + period() : behind);
 }
 
 Pose Timeline::pose(double fraction) const {
-  return pose_at(model_, tree_, clip_, clip_time(begin_ + (end_ - begin_) * fraction));
+  return rig_->pose(clip_time(begin_ + (end_ - begin_) * fraction));
 }
 
 std::vector<double> Timeline::key_fractions() const {
   std::vector<double> fractions;
-  if (clip_ == nullptr || is_instant()) return fractions;
+  if (is_instant()) return fractions;
   double first = 0, last = 0;  // repeats that the shutter reaches
   if (loops_) {
-    first = std::floor((begin_ - clip_->begin) / period());
-    last = std::floor((end_ - clip_->begin) / period());
+    first = std::floor((begin_ - clip_begin_) / period());
+    last = std::floor((end_ - clip_begin_) / period());
   }
-  for (const Channel& channel : clip_->channels) {
-    for (const double key : channel.times) {
+  for (const Channel* channel : rig_->channels()) {
+    for (const double key : channel->times) {
       for (double repeat = first; repeat <= last; ++repeat) {
         const double fraction = (key + (loops_ ? repeat * period() : 0) - begin_) / (end_ - begin_);
         if (fraction > 0 && fraction < 1) fractions.push_back(fraction);

@@ -1,7 +1,5 @@
-/// The state of a glTF file at any moment of a shutter.
+/// The state of a glTF file, or of what one of its meshes follows, at any moment of a shutter.
 #pragma once
-
-#include <tiny_gltf.h>
 
 #include <optional>
 #include <vector>
@@ -14,26 +12,29 @@ namespace stbvh::harness::gltf {
 
 class Timeline {
  public:
-  /// Keeps references to `model`, `tree` and `clip`. Throws Problem for shutters that do not open, and for
-  /// those that repeat a clip more than kMaxSteps times.
-  Timeline(const tinygltf::Model& model, const NodeTree& tree, const std::optional<Clip>& clip,
-           const GltfOptions& options);
+  /// Keeps a reference to `rig`. Throws Problem for shutters that do not open, and for those that repeat a
+  /// clip more than kMaxSteps times.
+  Timeline(const Rig& rig, const Clip* clip, const GltfOptions& options);
+
+  /// The same of another rig, during [begin, end] of it.
+  Timeline part(const Rig& rig, double begin = 0, double end = 1) const;
 
   /// Whether it has no duration: everything stands still.
   bool is_instant() const { return !(begin_ < end_); }
+  const Rig& rig() const { return *rig_; }
   /// At 0, when the shutter opens, to 1, when it closes.
   Pose pose(double fraction) const;
-  /// Fractions inside (0, 1) at which a channel has a key or a clip begins again; ascending, each once.
+  /// Fractions inside (0, 1) at which a channel of the rig has a key or a clip begins again; ascending, each
+  /// once.
   std::vector<double> key_fractions() const;
 
  private:
   double clip_time(double time) const;
-  double period() const { return clip_->end - clip_->begin; }
+  double period() const { return clip_end_ - clip_begin_; }
 
-  const tinygltf::Model& model_;
-  const NodeTree& tree_;
-  const Clip* clip_;
-  double begin_ = 0, end_ = 0;  // seconds
+  const Rig* rig_;
+  double clip_begin_ = 0, clip_end_ = 0;  // seconds
+  double begin_ = 0, end_ = 0;            // likewise
   bool loops_ = false;
 };
 

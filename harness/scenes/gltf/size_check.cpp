@@ -1,0 +1,139 @@
+#include "harness/scenes/gltf/size_check.h"
+
+#include <algorithm>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "harness/scenes/gltf/accessor.h"
+#include "harness/scenes/gltf/primitive.h"
+#include "harness/scenes/gltf/problem.h"
+#include "harness/scenes/scene_file.h"
+
+namespace stbvh::harness::gltf {
+namespace {
+
+/// Enough for kMaxSteps positions as floats of each vertex that stands in the file as three shorts.
+constexpr double kMaxExpansion = 300;
+constexpr double kFreeBytes = 1 << 30;
+/// Of a mesh without vertices: names, buffers, what structures keep of it.
+constexpr double kMeshBytes = 1024;
+
+/// Sums up bytes; in double precision, which no count of a file can overflow.
+class SizeCheck {
+ public:
+  SizeCheck(const Model& model, const NodeTree& tree, const ClipSource* clip, std::size_t steps)
+      : model_(model), steps_(static_cast<double>(steps)), moves_(find_what_moves(model, tree, clip)) {
+    has_clip_ = clip != nullptr;
+  }
+
+  void add_keys(const ClipSource& clip) {
+    for (const ClipSource::Channel& channel : clip.channels) {
+      add_numbers(channel.sampler.input, "animation times");
+      add_numbers(channel.sampler.output, "animation values");
+    }
+  }
+
+  void add_node(std::size_t index) {
+    const Model::Node& node = model_.nodes[index];
+    if (!node.mesh) return;
+    if (*node.mesh >= model_.meshes.size()) fail("node {} refers to the missing mesh {}", index, *node.mesh);
+    if (node.skin && *node.skin < model_.skins.size()) add_skin(*node.skin);
+    const double instances = node.instances ? add_instances(*node.instances) : 1;
+    const bool moves = has_clip_ && (moves_[index] || node.skin);
+    const bool is_new = meshes_.emplace(*node.mesh, node.skin.has_value()).second;
+    for (const Model::Primitive& primitive : model_.meshes[*node.mesh].primitives) {
+      if (!has_triangles(primitive)) continue;
+      if (is_new) add_geometry(primitive, node.skin.has_value());
+      const double vertices = count(primitive.attributes.at("POSITION"), "POSITION");
+      bytes_ += instances * (kMeshBytes + vertices * (moves ? steps_ : 1) * sizeof(Vec3f) +
+                             index_count(primitive) * sizeof(std::uint32_t));
+    }
+  }
+
+  void check() const {
+    const double most = std::min(static_cast<double>(kMaxSceneFileBytes),
+                                 kFreeBytes + kMaxExpansion * static_cast<double>(model_.bytes));
+    if (bytes_ <= most) return;
+    fail("it would need {:.3g} GB with {:.0f} steps; a file of {} bytes may need {:.3g} GB", bytes_ / 1e9,
+         steps_, model_.bytes, most / 1e9);
+  }
+
+ private:
+  /// Of each node, whether a channel concerns it or one above it.
+  static std::vector<bool> find_what_moves(const Model& model, const NodeTree& tree, const ClipSource* clip) {
+    std::vector<bool> moves(model.nodes.size(), false);
+    if (clip == nullptr) return moves;
+    for (const ClipSource::Channel& channel : clip->channels) moves[channel.target.node] = true;
+    for (const std::size_t node : tree.parents_first()) {
+      if (tree.parent(node) != NodeTree::kNoParent && moves[tree.parent(node)]) moves[node] = true;
+    }
+    return moves;
+  }
+
+  double count(std::size_t accessor, std::string_view use) const {
+    return static_cast<double>(checked_count(model_, accessor, use));
+  }
+
+  /// As they are read: in double precision.
+  void add_numbers(std::size_t accessor, std::string_view use) {
+    const double elements = count(accessor, use);
+    bytes_ +=
+        elements * static_cast<double>(component_count(model_.accessors[accessor].type)) * sizeof(double);
+  }
+
+  double index_count(const Model::Primitive& primitive) const {
+    const double chain = primitive.indices ? count(*primitive.indices, "indices")
+                                           : count(primitive.attributes.at("POSITION"), "POSITION");
+    return primitive.mode == kTriangles ? chain : 3 * chain;
+  }
+
+  void add_geometry(const Model::Primitive& primitive, bool is_skinned) {
+    bytes_ += index_count(primitive) * sizeof(std::uint32_t);
+    for (const auto& [name, accessor] : primitive.attributes) {
+      const bool is_influence = name.starts_with("JOINTS_") || name.starts_with("WEIGHTS_");
+      if (name == "POSITION" || (is_skinned && is_influence)) add_numbers(accessor, name);
+    }
+    for (const Model::Attributes& target : primitive.targets) {
+      const auto position = target.find("POSITION");
+      if (position != target.end()) add_numbers(position->second, "POSITION of a morph target");
+    }
+  }
+
+  void add_skin(std::size_t index) {
+    if (!skins_.insert(index).second) return;
+    const Model::Skin& skin = model_.skins[index];
+    if (skin.inverse_bind) add_numbers(*skin.inverse_bind, "inverse bind matrices");
+  }
+
+  double add_instances(const Model::Attributes& attributes) {
+    double most = 0;
+    for (const auto& [name, accessor] : attributes) {
+      add_numbers(accessor, name);
+      most = std::max(most, count(accessor, name));
+    }
+    bytes_ += most * sizeof(Affine);
+    return most;
+  }
+
+  const Model& model_;
+  const double steps_;
+  const std::vector<bool> moves_;
+  bool has_clip_ = false;
+  // Whose own data is counted already; of meshes with and without skin.
+  std::set<std::pair<std::size_t, bool>> meshes_;
+  std::set<std::size_t> skins_;
+  double bytes_ = 0;
+};
+
+}  // namespace
+
+void check_sizes(const Model& model, const NodeTree& tree, const std::vector<std::size_t>& nodes,
+                 const ClipSource* clip, std::size_t steps) {
+  SizeCheck check(model, tree, clip, steps);
+  if (clip != nullptr) check.add_keys(*clip);
+  for (const std::size_t node : nodes) check.add_node(node);
+  check.check();
+}
+
+}  // namespace stbvh::harness::gltf

@@ -1,0 +1,19 @@
+/// How much memory a glTF file asks for, before any of it is given.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "harness/scenes/gltf/clip.h"
+#include "harness/scenes/gltf/model.h"
+#include "harness/scenes/gltf/node_tree.h"
+
+namespace stbvh::harness::gltf {
+
+/// Throws Problem where keys, geometry, instances and `steps` positions of all that moves, together, need
+/// more than a file of that size may ask for (kMaxExpansion times its bytes, or kFreeBytes more), or an
+/// accessor among them reaches beyond its data. `nodes` are those of the scene.
+void check_sizes(const Model& model, const NodeTree& tree, const std::vector<std::size_t>& nodes,
+                 const ClipSource* clip, std::size_t steps);
+
+}  // namespace stbvh::harness::gltf
