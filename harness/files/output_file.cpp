@@ -27,11 +27,18 @@ bool is_special(const fs::path& path) {
   return fs::exists(status) && !fs::is_regular_file(status);
 }
 
-/// The file behind `path`, so that a link stays a link.
+/// The file behind `path`, there or not, so that a link stays a link.
 fs::path target_of(const fs::path& path) {
+  constexpr int kMostLinks = 40;  // as the kernel
+  fs::path target = path;
   std::error_code error;
-  const fs::path target = fs::canonical(path, error);
-  return error ? path : target;  // not there yet, or not reachable: opening it will tell
+  for (int links = 0; fs::is_symlink(fs::symlink_status(target, error)); ++links) {
+    if (links == kMostLinks) fail(path, ELOOP);
+    const fs::path next = fs::read_symlink(target, error);
+    if (error) fail(path, error.value());
+    target = target.parent_path() / next;
+  }
+  return target;
 }
 
 /// A name beside `target` that no other writer uses.

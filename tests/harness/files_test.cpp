@@ -71,6 +71,27 @@ TEST_F(OutputFile, LinksStayLinks) {
   EXPECT_EQ(read_file(folder / "a.json"), "two");
 }
 
+TEST_F(OutputFile, BehindALinkIsMadeIfItIsNotThere) {
+  fs::create_directory(folder / "inner");
+  fs::create_symlink("inner/there.json", folder / "link");
+  fs::create_symlink(folder / "link", folder / "link_to_it");
+  check_writable(folder / "link_to_it");
+  write_file(folder / "link_to_it", "one");
+  EXPECT_TRUE(fs::is_symlink(folder / "link_to_it"));
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(read_file(folder / "inner" / "there.json"), "one");
+}
+
+TEST_F(OutputFile, ALoopOfLinksIsRefusedAndStays) {
+  fs::create_symlink(folder / "b", folder / "a");
+  fs::create_symlink(folder / "a", folder / "b");
+  EXPECT_THROW(check_writable(folder / "a"), OutputFileError);
+  EXPECT_THROW(write_file(folder / "a", "x"), OutputFileError);
+  EXPECT_THROW(write_file(folder / "a" / "c", "x"), OutputFileError);
+  EXPECT_TRUE(fs::is_symlink(folder / "a"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2);
+}
+
 TEST_F(OutputFile, FilesThatNeedEachOtherAppearTogether) {
   const auto a = folder / "a.xml", b = folder / "b.bin";
   const std::vector<FileContent> both{{a, {"one ", "", "two"}}, {b, {}}};
