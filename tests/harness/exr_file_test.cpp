@@ -199,10 +199,25 @@ TEST_F(ExrFile, ThatAsksForMoreThanItHoldsIsRefusedBeforeMemoryIsTaken) {
   for (const char* type : {"string", "unknown", "floatvector", "stringvector", "bytes", "preview", "chlist"})
     EXPECT_NE(with_attribute(type, 0x7FFFFFF0u, "").find("\"more\" should have 2147483632 bytes"),
               std::string::npos);
-  const std::string sides = number(20000) + number(20000);
-  EXPECT_NE(with_attribute("preview", 12, sides + number(0)).find("20000 x 20000"), std::string::npos);
-  EXPECT_EQ(with_attribute("preview", 12, number(1) + number(1) + number(0)).find("preview"),
-            std::string::npos);
+  const auto expect_no_value = [&](const std::string& type, const std::string& value) {
+    const std::string refusal = with_attribute(type, static_cast<std::uint32_t>(value.size()), value);
+    EXPECT_NE(refusal.find("\"more\" of type " + type), std::string::npos) << refusal;
+  };
+  expect_no_value("preview", number(20000) + number(20000) + number(0));
+  expect_no_value("floatvector", "12345");
+  expect_no_value("int", "12345");
+  expect_no_value("chlist", std::string(1, '\0') + "x");
+  expect_no_value("idmanifest", "");
+  EXPECT_NE(with_attribute("stringvector", 4, number(0x7FFFFFF0u)).find("ends too early"), std::string::npos);
+  EXPECT_NE(with_attribute("chlist", 4, "RGBA").find("ends too early"), std::string::npos);
+  // What is right is let through, to where the offsets of the lines are wrong.
+  for (const auto& [type, value] :
+       {std::pair<std::string, std::string>{"preview", number(1) + number(1) + number(0)},
+        {"stringvector", number(1) + "a" + number(0)},
+        {"unknown", "1"},
+        {"int", "1234"}})
+    EXPECT_EQ(with_attribute(type, static_cast<std::uint32_t>(value.size()), value).find("\"more\""),
+              std::string::npos);
   const auto with_window = [&](std::uint32_t right, std::uint32_t bottom) {
     std::string bytes = whole;
     const std::size_t window = bytes.find("dataWindow") + 10 + 1 + 5 + 1 + 4;
