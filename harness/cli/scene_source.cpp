@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "harness/cli/closest_name.h"
+#include "harness/cli/program.h"
 #include "harness/cli/usage_error.h"
 #include "harness/scenes/embree_xml/embree_xml.h"
 #include "harness/scenes/obj/obj_sequence.h"
@@ -40,7 +41,11 @@ bool is_file_name(const std::string& name) {
 }
 
 SceneSource file_source(const std::string& name, const GltfOptions& gltf) {
-  if (!std::filesystem::exists(name)) throw UsageError(fmt::format("There is no file \"{}\".", name));
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(name, error);
+  if (status.type() == std::filesystem::file_type::not_found)
+    throw UsageError(fmt::format("There is no file \"{}\".", name));
+  if (error) throw UsageError(fmt::format("Cannot read \"{}\": {}.", name, error.message()));
   const std::string stem = std::filesystem::path(name).stem().string();
   if (is_embree_file(name))
     return {stem, [=] { return checked(load_embree_xml(name, print_warning), stem); }};
@@ -79,7 +84,7 @@ Scene checked(Scene scene, const std::string& name) {
 
 void print_warning(const std::string& sentence) {
   const bool is_terminal = isatty(STDERR_FILENO) != 0;  // where a line of Progress may stand
-  fmt::print(stderr, "{}stbvh-ab: {}\n", is_terminal ? "\r\x1b[K" : "", sentence);
+  fmt::print(stderr, "{}stbvh-ab: {}\n", is_terminal ? "\r\x1b[K" : "", one_line(sentence));
 }
 
 std::vector<SceneSource> find_scenes(const Options& options) {

@@ -6,11 +6,10 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
-#include <exception>
-#include <new>
 #include <optional>
 #include <utility>
 
+#include "harness/cli/program.h"
 #include "harness/cli/usage_error.h"
 #include "harness/files/output_file.h"
 #include "harness/images/png_file.h"
@@ -174,30 +173,14 @@ class Preview final : public ScriptStage {
   bool is_idle_ = false;
 };
 
-int fail(int code, const char* text) {
-  fmt::print(stderr, "stbvh-preview: {}\n", text);
-  return code;
-}
-
 }  // namespace
 
 int run_preview(int argc, const char* const* argv) {
   const Clock::time_point start = Clock::now();
-  try {
+  return run_as_program([&] {
     const std::optional<PreviewOptions> options = parse_preview_options(argc, argv);
     if (options) Preview(*options, start).run();
-    return 0;
-  } catch (const UsageError& e) {
-    return fail(2, e.what());
-  } catch (const WindowError& e) {
-    return fail(2, e.what());
-  } catch (const OutputFileError& e) {
-    return fail(2, e.what());
-  } catch (const std::bad_alloc&) {
-    return fail(1, "Not enough memory.");
-  } catch (const std::exception& e) {
-    return fail(1, e.what());
-  }
+  });
 }
 
 }  // namespace stbvh::harness
