@@ -10,8 +10,9 @@ import signal
 import stat
 import sys
 
-# As other programs: ctrl-C and a closed pipe end it without a word.
+# As other programs: ctrl-C (blocked by who runs the script) and a closed pipe end it without a word.
 signal.signal(signal.SIGINT, signal.SIG_DFL)
+signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
 signal.signal(signal.SIGPIPE, signal.SIG_DFL)
 
 MOST_BYTES = 64 << 20  # of a file of records
