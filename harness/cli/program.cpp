@@ -17,11 +17,11 @@
 #include "harness/cli/interruption.h"
 #include "harness/cli/script.h"
 #include "harness/cli/usage_error.h"
-#include "harness/files/output_file.h"
 #include "harness/images/compare.h"
 #include "harness/images/exr_file.h"
 #include "harness/report/read_records.h"
 #include "harness/scenes/scene_file.h"
+#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 namespace {

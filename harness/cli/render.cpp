@@ -15,13 +15,13 @@
 #include "harness/cli/scene_source.h"
 #include "harness/cli/session.h"
 #include "harness/cli/usage_error.h"
-#include "harness/files/output_file.h"
 #include "harness/images/exr_file.h"
 #include "harness/images/png_file.h"
 #include "harness/images/tone_map.h"
 #include "harness/path_tracer/lights.h"
 #include "harness/report/machine.h"
 #include "harness/structures/memory_estimate.h"
+#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 namespace {

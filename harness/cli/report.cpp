@@ -16,10 +16,10 @@
 #include "harness/cli/usage_error.h"
 #include "harness/cli/wrong_answers.h"
 #include "harness/files/input_file.h"
-#include "harness/files/output_file.h"
 #include "harness/report/json.h"
 #include "harness/report/read_records.h"
 #include "harness/structures/structure_under_test.h"
+#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 namespace {

@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <system_error>
 
-#include "harness/files/open_file.h"
+#include "plugin/files/open_file.h"
 
 namespace stbvh::harness {
 namespace {

@@ -18,9 +18,9 @@
 #include <string>
 
 #include "harness/files/input_file.h"
-#include "harness/files/output_file.h"
 #include "harness/images/exr_header.h"
 #include "harness/images/exr_streams.h"
+#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 namespace {

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "harness/files/output_file.h"
+#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "harness/cli/program.h"
 #include "harness/cli/usage_error.h"
-#include "harness/files/output_file.h"
+#include "plugin/files/output_file.h"
 #include "harness/images/png_file.h"
 #include "harness/preview/frame_times.h"
 #include "harness/preview/panels.h"

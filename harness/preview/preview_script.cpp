@@ -13,7 +13,7 @@
 
 #include "harness/cli/closest_name.h"
 #include "harness/cli/usage_error.h"
-#include "harness/files/output_file.h"
+#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 namespace {

@@ -150,7 +150,7 @@ PARTIAL_NAMES = itertools.count()
 def write_whole(path, data):
     """Writes bytes to a file, whole or not at all. A link stays a link; a device or pipe is written to directly.
 
-    As write_file() of harness/files. Ends the script if it cannot.
+    As write_file() of plugin/files. Ends the script if it cannot.
     """
     try:
         if os.path.exists(path) and not stat.S_ISREG(os.stat(path).st_mode):

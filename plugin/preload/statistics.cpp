@@ -1,18 +1,16 @@
 #include "plugin/preload/statistics.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "plugin/files/output_file.h"
 #include "plugin/preload/environment.h"
 
 namespace stbvh::preload {
@@ -91,17 +89,6 @@ nlohmann::ordered_json to_json(const Totals& totals, std::uint64_t rays, std::ui
           {"meshes_left_native", left}};
 }
 
-/// Whole or not at all.
-bool write_file(const std::string& path, const std::string& text) {
-  const std::string temporary = path + "." + std::to_string(getpid());
-  std::ofstream file(temporary);
-  file << text << '\n';
-  file.close();
-  if (file && std::rename(temporary.c_str(), path.c_str()) == 0) return true;
-  std::remove(temporary.c_str());
-  return false;
-}
-
 /// At the end of a process that used Embree; others, such as a shell that starts it, say nothing.
 void report() {
   const std::lock_guard lock(statistics().mutex);
@@ -114,8 +101,12 @@ void report() {
   const std::string& path = *environment().statistics;
   if (path.empty()) {
     std::fprintf(stderr, "libstbvh_preload: %s\n", text.c_str());
-  } else if (!write_file(path, text)) {
-    std::fprintf(stderr, "libstbvh_preload: the statistics cannot be written to %s\n", path.c_str());
+    return;
+  }
+  try {
+    write_file(path, text + '\n');
+  } catch (const OutputFileError& error) {
+    std::fprintf(stderr, "libstbvh_preload: the statistics: %s\n", error.what());
   }
 }
 

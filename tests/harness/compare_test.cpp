@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "harness/files/output_file.h"
+#include "plugin/files/output_file.h"
 #include "harness/images/compare.h"
 #include "harness/images/exr_file.h"
 #include "harness/images/flip.h"

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "harness/files/output_file.h"
+#include "plugin/files/output_file.h"
 #include "harness/scenes/embree_xml/writer.h"
 #include "harness/scenes/gltf/gltf.h"
 #include "harness/scenes/moving_triangle.h"

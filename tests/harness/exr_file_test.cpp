@@ -19,7 +19,7 @@
 #include <cstring>
 #include <limits>
 
-#include "harness/files/output_file.h"
+#include "plugin/files/output_file.h"
 #include "tests/harness/temporary_folder.h"
 
 namespace stbvh::harness {

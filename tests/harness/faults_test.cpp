@@ -15,9 +15,9 @@
 #include <string>
 #include <thread>
 
-#include "harness/files/output_file.h"
 #include "harness/images/exr_file.h"
 #include "harness/report/json.h"
+#include "plugin/files/output_file.h"
 #include "tests/harness/run_stbvh_ab.h"
 #include "tests/harness/temporary_folder.h"
 

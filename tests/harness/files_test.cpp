@@ -1,11 +1,14 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/sysmacros.h>
 
 #include <filesystem>
+#include <fstream>
 #include <string>
+#include <thread>
 
 #include "harness/files/input_file.h"
-#include "harness/files/output_file.h"
+#include "plugin/files/output_file.h"
 #include "tests/harness/temporary_folder.h"
 
 namespace stbvh::harness {
@@ -71,27 +74,6 @@ TEST_F(OutputFile, LinksStayLinks) {
   EXPECT_EQ(read_file(folder / "a.json"), "two");
 }
 
-TEST_F(OutputFile, BehindALinkIsMadeIfItIsNotThere) {
-  fs::create_directory(folder / "inner");
-  fs::create_symlink("inner/there.json", folder / "link");
-  fs::create_symlink(folder / "link", folder / "link_to_it");
-  check_writable(folder / "link_to_it");
-  write_file(folder / "link_to_it", "one");
-  EXPECT_TRUE(fs::is_symlink(folder / "link_to_it"));
-  EXPECT_TRUE(fs::is_symlink(folder / "link"));
-  EXPECT_EQ(read_file(folder / "inner" / "there.json"), "one");
-}
-
-TEST_F(OutputFile, ALoopOfLinksIsRefusedAndStays) {
-  fs::create_symlink(folder / "b", folder / "a");
-  fs::create_symlink(folder / "a", folder / "b");
-  EXPECT_THROW(check_writable(folder / "a"), OutputFileError);
-  EXPECT_THROW(write_file(folder / "a", "x"), OutputFileError);
-  EXPECT_THROW(write_file(folder / "a" / "c", "x"), OutputFileError);
-  EXPECT_TRUE(fs::is_symlink(folder / "a"));
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2);
-}
-
 TEST_F(OutputFile, FilesThatNeedEachOtherAppearTogether) {
   const auto a = folder / "a.xml", b = folder / "b.bin";
   const std::vector<FileContent> both{{a, {"one ", "", "two"}}, {b, {}}};
@@ -114,6 +96,62 @@ TEST_F(OutputFile, UnwritablePlacesAreRefused) {
   EXPECT_THROW(write_file("/dev/full", "x"), OutputFileError);
   EXPECT_NO_THROW(write_file("/dev/null", "x"));
   EXPECT_FALSE(fs::is_regular_file("/dev/null"));
+}
+
+TEST_F(OutputFile, LinksToWhatIsNotThereYetStayLinks) {
+  fs::create_directory(folder / "sub");
+  fs::create_symlink("sub/later.json", folder / "first");
+  fs::create_symlink(folder / "first", folder / "second");
+  check_writable(folder / "second");
+  EXPECT_FALSE(fs::exists(folder / "sub" / "later.json"));
+  write_file(folder / "second", "one");
+  EXPECT_EQ(read_file(folder / "sub" / "later.json"), "one");
+  EXPECT_TRUE(fs::is_symlink(folder / "first") && fs::is_symlink(folder / "second"));
+}
+
+TEST_F(OutputFile, ALoopOfLinksIsRefusedAndStays) {
+  fs::create_symlink(folder / "b", folder / "a");
+  fs::create_symlink(folder / "a", folder / "b");
+  EXPECT_THROW(check_writable(folder / "a"), OutputFileError);
+  EXPECT_THROW(write_file(folder / "a", "x"), OutputFileError);
+  EXPECT_TRUE(fs::is_symlink(folder / "a") && fs::is_symlink(folder / "b"));
+}
+
+/// One like /dev/null or /dev/full, of the test's own.
+TEST_F(OutputFile, DevicesStayDevicesAlsoBehindLinks) {
+  constexpr mode_t kMode = S_IFCHR | 0666;
+  if (mknod(at("null").c_str(), kMode, makedev(1, 3)) != 0 ||
+      mknod(at("full").c_str(), kMode, makedev(1, 7)) != 0) {
+    GTEST_SKIP() << "only root may make device nodes";
+  }
+  fs::create_symlink("null", folder / "link");
+  for (const char* const name : {"null", "link"}) {
+    check_writable(folder / name);
+    write_file(folder / name, "x");
+  }
+  EXPECT_THROW(write_file(folder / "full", "x"), OutputFileError);
+  EXPECT_TRUE(fs::is_character_file(folder / "null") && fs::is_character_file(folder / "full"));
+  EXPECT_TRUE(fs::is_symlink(folder / "link"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 3);
+}
+
+TEST_F(OutputFile, PipesAreWrittenTo) {
+  ASSERT_EQ(mkfifo(at("pipe").c_str(), 0600), 0);
+  std::string seen;
+  std::thread reader([&] { seen = read_file(folder / "pipe"); });
+  check_writable(folder / "pipe");  // the reader goes on waiting
+  write_file(folder / "pipe", "text");
+  reader.join();
+  EXPECT_EQ(seen, "text");
+  EXPECT_TRUE(fs::is_fifo(folder / "pipe"));
+}
+
+/// The reader goes away before all is written: more than a pipe holds.
+TEST_F(OutputFile, APipeThatNobodyReadsAnyMoreIsAnErrorAndNotTheEnd) {
+  ASSERT_EQ(mkfifo(at("pipe").c_str(), 0600), 0);
+  std::thread reader([&] { std::ifstream(folder / "pipe").get(); });
+  EXPECT_THROW(write_file(folder / "pipe", std::string(1 << 20, 'x')), OutputFileError);
+  reader.join();
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <memory>
 #include <string>
 
-#include "harness/files/output_file.h"
+#include "plugin/files/output_file.h"
 #include "tests/harness/run_stbvh_ab.h"
 #include "tests/harness/temporary_folder.h"
 

@@ -4,7 +4,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "harness/files/output_file.h"
+#include "plugin/files/output_file.h"
 #include "harness/report/json.h"
 #include "harness/report/read_records.h"
 #include "harness/report/table.h"

@@ -193,7 +193,13 @@ TEST(PluginFilterArguments, AreTheApplicationsContextAndRayWithTheCandidatesDist
       rtcIntersect1(scene, &context.embree, &ray.embree);
       EXPECT_EQ(context.calls, 1u);
       EXPECT_EQ(context.wrong, 0u);
-      EXPECT_EQ(ray.embree.ray.tfar, user_ptr == nullptr ? 10.0f : 99.0f);
+      // Some of Embree's instruction sets round the distance otherwise; what stood there comes back as it
+      // was.
+      if (user_ptr == nullptr) {
+        EXPECT_FLOAT_EQ(ray.embree.ray.tfar, 10.0f);
+      } else {
+        EXPECT_EQ(ray.embree.ray.tfar, 99.0f);
+      }
     }
   }
 }

@@ -1,5 +1,6 @@
-// All query widths, with inactive lanes, and the streams.
+// All query widths, with inactive lanes, and the streams; on whatever instruction set Embree uses.
 #include <cstring>
+#include <limits>
 
 #include "tests/plugin/mesh_pair.h"
 
@@ -54,37 +55,78 @@ RTCRayHit random_masked_ray(Random& random) {
   return ray;
 }
 
+/// How a lane is switched off.
+enum class Lane { kOn, kOffByValid, kOffByValidAndDistance };
+
+/// Whether Embree traces packets of N as such. Where it does not it cuts them up as it does streams, and
+/// takes only tnear > tfar for switched off: `valid` is not looked at.
 template <unsigned N>
-void expect_same_packets(const ScenePair& pair, unsigned flags) {
+bool is_native_width(RTCDevice device) {
+  constexpr RTCDeviceProperty kProperty = N == 4   ? RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED
+                                          : N == 8 ? RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED
+                                                   : RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED;
+  return rtcGetDeviceProperty(device, kProperty) != 0;
+}
+
+/// Queries of both scenes with one packet.
+template <unsigned N>
+struct PacketAnswers {
+  Packet<N> before, native, own, native_occlusion, own_occlusion;
+
+  PacketAnswers(const ScenePair& pair, RTCIntersectContext* context, const int* valid,
+                const Packet<N>& packet)
+      : before(packet), native(packet), own(packet), native_occlusion(packet), own_occlusion(packet) {
+    intersect_packet(valid, pair.native.get(), context, native);
+    intersect_packet(valid, pair.own.get(), context, own);
+    occluded_packet(valid, pair.native.get(), context, native_occlusion);
+    occluded_packet(valid, pair.own.get(), context, own_occlusion);
+  }
+
+  void expect_untouched(unsigned lane) {
+    const RTCRayHit old = before.get(lane);
+    for (Packet<N>* const answer : {&native, &own, &native_occlusion, &own_occlusion}) {
+      const RTCRayHit now = answer->get(lane);
+      ASSERT_EQ(std::memcmp(&old, &now, sizeof(now)), 0);
+    }
+  }
+
+  /// Any hit against closest hits: on SSE2 Embree's own packets of shadow rays hit moving triangles outside
+  /// their time range.
+  void expect_same(unsigned lane) {
+    const RTCRayHit hit = own.get(lane);
+    ASSERT_NO_FATAL_FAILURE(expect_same_hit(native.get(lane), hit));
+    const bool is_hit = hit.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+    const float tfar = is_hit ? -std::numeric_limits<float>::infinity() : before.get(lane).ray.tfar;
+    ASSERT_EQ(own_occlusion.get(lane).ray.tfar, tfar);
+  }
+};
+
+template <unsigned N>
+void expect_same_packets(const Device& device, const ScenePair& pair, unsigned flags) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
   context.flags = static_cast<RTCIntersectContextFlags>(flags);
   Random random(N);
   for (unsigned round = 0; round < 3000 / N; ++round) {
     alignas(64) int valid[N];
-    Packet<N> native, own, occlusion;
+    Lane lanes[N];
+    Packet<N> packet;
     for (unsigned i = 0; i < N; ++i) {
-      valid[i] = random.below(3) == 0 ? 0 : -1;
-      native.set(i, random_masked_ray(random));
+      lanes[i] = random.below(3) != 0   ? Lane::kOn
+                 : random.below(2) == 0 ? Lane::kOffByValid
+                                        : Lane::kOffByValidAndDistance;
+      valid[i] = lanes[i] == Lane::kOn ? -1 : 0;
+      RTCRayHit ray = random_masked_ray(random);
+      if (lanes[i] == Lane::kOffByValidAndDistance) ray.ray.tfar = -1;
+      packet.set(i, ray);
     }
-    own = occlusion = native;
-    Packet<N> before = native;
-    intersect_packet(valid, pair.native.get(), &context, native);
-    intersect_packet(valid, pair.own.get(), &context, own);
-    occluded_packet(valid, pair.own.get(), &context, occlusion);
+    PacketAnswers<N> answers(pair, &context, valid, packet);
     for (unsigned i = 0; i < N; ++i) {
       SCOPED_TRACE(testing::Message() << "N " << N << " round " << round << " lane " << i);
-      const RTCRayHit old = before.get(i), hit = own.get(i);
-      if (valid[i] == 0) {
-        const RTCRay ray = occlusion.get(i).ray;
-        ASSERT_EQ(std::memcmp(&old, &hit, sizeof(RTCRayHit)), 0);
-        ASSERT_EQ(std::memcmp(&old.ray, &ray, sizeof(ray)), 0);
-        continue;
-      }
-      ASSERT_NO_FATAL_FAILURE(expect_same_hit(native.get(i), hit));
-      const bool is_hit = hit.hit.geomID != RTC_INVALID_GEOMETRY_ID;
-      const float infinity = std::numeric_limits<float>::infinity();
-      ASSERT_EQ(occlusion.get(i).ray.tfar, is_hit ? -infinity : old.ray.tfar);
+      const bool traced =
+          lanes[i] == Lane::kOn || (lanes[i] == Lane::kOffByValid && !is_native_width<N>(device.get()));
+      traced ? answers.expect_same(i) : answers.expect_untouched(i);
+      if (testing::Test::HasFatalFailure()) return;
     }
   }
 }
@@ -94,9 +136,9 @@ TEST(PluginWidths, Packets) {
   const std::vector<TestMesh> meshes = meshes_of_all_kinds();
   const ScenePair pair = scene_pair(device, meshes);
   for (const unsigned flags : {RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT, RTC_INTERSECT_CONTEXT_FLAG_COHERENT}) {
-    expect_same_packets<4>(pair, flags);
-    expect_same_packets<8>(pair, flags);
-    expect_same_packets<16>(pair, flags);
+    expect_same_packets<4>(device, pair, flags);
+    expect_same_packets<8>(device, pair, flags);
+    expect_same_packets<16>(device, pair, flags);
   }
 }
 

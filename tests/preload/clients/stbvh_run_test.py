@@ -195,6 +195,45 @@ class Embree(WithFolder):
         done = run("--statistics", *self.pathtracer(self.folder / "o.ppm"))
         self.assertIn("meshes taken over: 1\n", done.stderr)
 
+    def test_statistics_leave_what_is_special_as_it_is(self):
+        """Through the library alone, through stbvh-run, and as the record of both sides."""
+        require_tools("pathtracer")
+        if os.getuid() != 0:
+            self.skipTest("only root can make device nodes")
+        device, full, link, later = (self.folder / name for name in ("null", "full", "link", "later"))
+        os.mknod(device, 0o666 | stat.S_IFCHR, os.makedev(1, 3))
+        os.mknod(full, 0o666 | stat.S_IFCHR, os.makedev(1, 7))
+        link.symlink_to("later")
+        program = self.pathtracer(self.folder / "o.ppm")
+        for options in ((), ("--statistics",), ("--ab",)):
+            with self.subTest(options=options):
+                done = run("--json", device, *options, *program)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertNotIn("has not used", done.stderr)
+                self.assertTrue(device.is_char_device())
+                done = run("--json", link, *options, *program)
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertTrue(link.is_symlink())
+                self.assertIn("meshes_taken_over", later.read_text())
+                later.unlink()
+                done = run("--json", full, *options, *program)
+                self.assertIn("No space left on device", done.stderr)
+                self.assertTrue(full.is_char_device())
+                done = run("--json", self.folder, *options, *program)
+                self.assertIn("Is a directory", done.stderr)
+        self.assertEqual({f.name for f in self.folder.iterdir()}, {"null", "full", "link", "o.ppm", "torus.xml"})
+
+    def test_statistics_into_a_pipe(self):
+        require_tools("pathtracer")
+        pipe = self.folder / "pipe"
+        os.mkfifo(pipe)
+        for options in ((), ("--statistics",), ("--ab",)):
+            with self.subTest(options=options):
+                with subprocess.Popen(["cat", pipe], stdout=subprocess.PIPE, text=True) as reader:
+                    done = run("--json", pipe, *options, *self.pathtracer(self.folder / "o.ppm"))
+                    self.assertEqual(done.returncode, 0, done.stderr)
+                    self.assertIn("meshes_taken_over", reader.communicate(timeout=60)[0])
+
     def test_a_script_that_starts_one_is_judged_by_what_it_started(self):
         require_tools("pathtracer")
         command = " ".join(map(str, self.pathtracer(self.folder / "o.ppm")))

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace stbvh::harness {
+namespace stbvh {
 
 /// A file that could not be written; what() is one sentence for the user.
 struct OutputFileError : std::runtime_error {
@@ -18,8 +18,8 @@ struct OutputFileError : std::runtime_error {
 void check_writable(const std::filesystem::path& path);
 
 /// Writes `bytes` to `path`: under a temporary name beside it, then renamed, so that the file appears whole
-/// or not at all. A link stays a link. What is not a regular file (a device, a pipe) is written to directly.
-/// Throws OutputFileError.
+/// or not at all. A link stays a link. What is not a regular file (a device, a pipe) is written to directly;
+/// a pipe waits for who reads it. Throws OutputFileError.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
 /// A file to be written; its parts stand one behind the other.
@@ -31,4 +31,4 @@ struct FileContent {
 /// The same for files that need each other: none is renamed before all are written.
 void write_files(std::span<const FileContent> files);
 
-}  // namespace stbvh::harness
+}  // namespace stbvh

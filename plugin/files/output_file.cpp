@@ -1,24 +1,25 @@
-#include "harness/files/output_file.h"
+#include "plugin/files/output_file.h"
 
 #include <fcntl.h>
-#include <fmt/format.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
+#include <string>
 #include <system_error>
 
-#include "harness/files/open_file.h"
+#include "plugin/files/open_file.h"
 
-namespace stbvh::harness {
+namespace stbvh {
 namespace {
 
 namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const fs::path& path, int error) {
-  throw OutputFileError(
-      fmt::format("Cannot write to \"{}\": {}.", path.string(), std::generic_category().message(error)));
+  throw OutputFileError("Cannot write to \"" + path.string() +
+                        "\": " + std::generic_category().message(error) + ".");
 }
 
 bool is_special(const fs::path& path) {
@@ -27,9 +28,9 @@ bool is_special(const fs::path& path) {
   return fs::exists(status) && !fs::is_regular_file(status);
 }
 
-/// The file behind `path`, there or not, so that a link stays a link.
+/// The file behind `path`, so that a link stays a link, also one to a file that is not there yet.
 fs::path target_of(const fs::path& path) {
-  constexpr int kMostLinks = 40;  // as the kernel
+  constexpr int kMostLinks = 40;  // as Linux
   fs::path target = path;
   std::error_code error;
   for (int links = 0; fs::is_symlink(fs::symlink_status(target, error)); ++links) {
@@ -45,7 +46,7 @@ fs::path target_of(const fs::path& path) {
 fs::path temporary_beside(const fs::path& target) {
   static std::atomic<unsigned> counter{0};
   fs::path name = target;
-  name += fmt::format(".{}-{}.partial", getpid(), counter.fetch_add(1));
+  name += '.' + std::to_string(getpid()) + '-' + std::to_string(counter.fetch_add(1)) + ".partial";
   return name;
 }
 
@@ -77,13 +78,45 @@ class PendingFile {
   fs::path path_, target_, temporary_;  // a moved-from path is empty
 };
 
+/// While it lives, a pipe that nobody reads any more is an error of this thread (EPIPE), and does not end the
+/// process.
+class BrokenPipesAreErrors {
+ public:
+  BrokenPipesAreErrors() {
+    sigset_t pending;
+    sigemptyset(&broken_pipe_);
+    sigaddset(&broken_pipe_, SIGPIPE);
+    sigpending(&pending);
+    was_pending_ = sigismember(&pending, SIGPIPE) == 1;
+    pthread_sigmask(SIG_BLOCK, &broken_pipe_, &before_);
+  }
+  ~BrokenPipesAreErrors() {
+    constexpr timespec kNow{};
+    if (!was_pending_) sigtimedwait(&broken_pipe_, nullptr, &kNow);  // takes away what has been raised here
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  BrokenPipesAreErrors(const BrokenPipesAreErrors&) = delete;
+  BrokenPipesAreErrors& operator=(const BrokenPipesAreErrors&) = delete;
+
+ private:
+  sigset_t broken_pipe_, before_;
+  bool was_pending_;
+};
+
+void write_special(const FileContent& file) {
+  const BrokenPipesAreErrors guard;
+  const OpenFile special(file.path, O_WRONLY);
+  if (!special.is_open() || !special.write_all(file.parts)) fail(file.path, errno);
+}
+
 }  // namespace
 
 void check_writable(const fs::path& path) {
   if (path.filename().empty()) fail(path, EISDIR);
   if (is_special(path)) {
-    const OpenFile file(path, O_WRONLY | O_NONBLOCK);
-    if (!file.is_open() && errno != ENXIO) fail(path, errno);  // ENXIO: a pipe that nobody reads yet
+    if (fs::is_directory(path)) fail(path, EISDIR);
+    // Not opened: who reads a pipe would take the closing for its end.
+    if (access(path.c_str(), W_OK) != 0) fail(path, errno);
     return;
   }
   const fs::path temporary = temporary_beside(target_of(path));
@@ -101,14 +134,13 @@ void write_files(std::span<const FileContent> files) {
   std::vector<PendingFile> pending;
   pending.reserve(files.size());
   for (const FileContent& file : files) {
-    if (!is_special(file.path)) {
+    if (is_special(file.path)) {
+      write_special(file);
+    } else {
       pending.emplace_back(file);
-      continue;
     }
-    OpenFile special(file.path, O_WRONLY);
-    if (!special.is_open() || !special.write_all(file.parts)) fail(file.path, errno);
   }
   for (PendingFile& file : pending) file.appear();
 }
 
-}  // namespace stbvh::harness
+}  // namespace stbvh

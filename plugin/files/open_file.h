@@ -9,7 +9,7 @@
 #include <span>
 #include <string_view>
 
-namespace stbvh::harness {
+namespace stbvh {
 
 class OpenFile {
  public:
@@ -61,4 +61,4 @@ class OpenFile {
   int descriptor_;
 };
 
-}  // namespace stbvh::harness
+}  // namespace stbvh
