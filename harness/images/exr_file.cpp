@@ -64,6 +64,7 @@ std::string encode(const LayeredImage& image) {
                                             image.height, image.channels.size() + image.id_channels.size()));
   }
   Imf::Header header(to_box(image.display_window()), to_box(image.window()), image.pixel_aspect);
+  if (image.is_cube_map) Imf::addEnvmap(header, Imf::ENVMAP_CUBE);
   if (image.chromaticities != kRec709) Imf::addChromaticities(header, to_exr(image.chromaticities));
   header.compression() = Imf::ZIP_COMPRESSION;
   Imf::FrameBuffer pixels;

@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "plugin/files/output_file.h"
 #include "harness/images/compare.h"
 #include "harness/images/exr_file.h"
 #include "harness/images/flip.h"
 #include "harness/images/heat_map.h"
 #include "harness/images/tone_map.h"
+#include "plugin/files/output_file.h"
 #include "tests/harness/run_stbvh_ab.h"
 #include "tests/harness/temporary_folder.h"
 
@@ -391,6 +391,26 @@ TEST_F(CompareCommand, SaysWhatIsNotComparedAndWarns) {
   EXPECT_EQ(record.at("left"), 10);
   EXPECT_EQ(record.at("warnings").size(), 2u);
   EXPECT_GT(record.at("differing"), 0);
+}
+
+TEST_F(CompareCommand, AnEnvironmentIsAWholeSphereOrRefused) {
+  const auto rendered = [&](const LayeredImage& environment) {
+    write_exr(environment, at("e.exr"));
+    return stbvh_ab("render --scenes wheels --scale 0.01 --size 8x8 --spp 1 --environment " + at("e.exr") +
+                    " -o " + at("out.exr"));
+  };
+  LayeredImage sphere = flat(8, 4, {1, 1, 1});
+  EXPECT_EQ(rendered(sphere).exit_code, 0);
+  sphere.chromaticities[0] = 0.708f;
+  const Outcome warned = rendered(sphere);
+  EXPECT_EQ(warned.exit_code, 0);
+  EXPECT_NE(warned.out.find("other chromaticities than Rec. 709"), std::string::npos) << warned.out;
+  LayeredImage part = flat(8, 4, {1, 1, 1});
+  part.display = PixelWindow{0, 0, 16, 8};
+  expect_refusal(rendered(part), "is not a whole sphere");
+  LayeredImage cube = flat(4, 24, {1, 1, 1});
+  cube.is_cube_map = true;
+  expect_refusal(rendered(cube), "is a cube");
 }
 
 TEST_F(CompareCommand, RefusesInOneLine) {
