@@ -11,13 +11,13 @@
 
 #include "harness/cli/program.h"
 #include "harness/cli/usage_error.h"
-#include "plugin/files/output_file.h"
 #include "harness/images/png_file.h"
 #include "harness/preview/frame_times.h"
 #include "harness/preview/panels.h"
 #include "harness/preview/preview_options.h"
 #include "harness/preview/preview_script.h"
 #include "harness/preview/window.h"
+#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 namespace {

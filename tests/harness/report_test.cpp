@@ -4,10 +4,10 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "plugin/files/output_file.h"
 #include "harness/report/json.h"
 #include "harness/report/read_records.h"
 #include "harness/report/table.h"
+#include "plugin/files/output_file.h"
 #include "tests/harness/temporary_folder.h"
 
 namespace stbvh::harness {
