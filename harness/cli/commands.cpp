@@ -2,30 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
-#include <exception>
-#include <new>
-
-#include "harness/cli/interruption.h"
-#include "harness/cli/scene_source.h"
-#include "harness/cli/script.h"
-#include "harness/cli/usage_error.h"
-#include "plugin/files/output_file.h"
-#include "harness/images/compare.h"
-#include "harness/images/exr_file.h"
+#include "harness/cli/program.h"
 #include "harness/rays/ray_generator.h"
-#include "harness/report/read_records.h"
 #include "harness/scenes/procedural/procedural.h"
 #include "harness/structures/structure_under_test.h"
 #include "tests/hard_cases/hard_case.h"
 
 namespace stbvh::harness {
 namespace {
-
-int fail(int code, const char* text) {
-  fmt::print(stderr, "stbvh-ab: {}\n", text);
-  return code;
-}
 
 void run(const Options& options) {
   switch (options.command) {
@@ -75,31 +59,10 @@ void run_list() {
 }
 
 int run_program(int argc, const char* const* argv) {
-  try {
+  return run_as_program([&] {
     const std::optional<Options> options = parse_options(argc, argv);
     if (options) run(*options);
-    return 0;
-  } catch (const UsageError& e) {
-    return fail(2, e.what());
-  } catch (const SceneFileError& e) {
-    return fail(2, e.what());
-  } catch (const OutputFileError& e) {
-    return fail(2, e.what());
-  } catch (const ImageFileError& e) {
-    return fail(2, e.what());
-  } catch (const ComparisonError& e) {
-    return fail(2, e.what());
-  } catch (const RecordFileError& e) {
-    return fail(2, e.what());
-  } catch (const Interrupted& e) {
-    return fail(130, e.what());
-  } catch (const ScriptFailure& e) {
-    return e.exit_code;
-  } catch (const std::bad_alloc&) {
-    return fail(1, "Not enough memory.");
-  } catch (const std::exception& e) {
-    return fail(1, e.what());
-  }
+  });
 }
 
 }  // namespace stbvh::harness

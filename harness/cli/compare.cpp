@@ -4,25 +4,31 @@
 #include <fmt/format.h>
 
 #include "harness/cli/commands.h"
+#include "harness/cli/scene_source.h"
 #include "harness/cli/session.h"
-#include "plugin/files/output_file.h"
 #include "harness/images/exr_file.h"
 #include "harness/images/flip.h"
 #include "harness/images/heat_map.h"
 #include "harness/images/png_file.h"
 #include "harness/report/records.h"
+#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 namespace {
 
 std::string describe(const Comparison& c) {
-  std::string text = fmt::format(
-      "pixels        {} x {}, {} differ, {} not finite\n"
+  std::string text = fmt::format("pixels        {} x {}, {} differ, {} not finite\n", c.width, c.height,
+                                 c.differing, c.not_finite);
+  if (c.only_in_picture + c.only_in_reference > 0) {
+    text += fmt::format("not compared  {} of the picture, {} of the reference: only one has pixels there\n",
+                        c.only_in_picture, c.only_in_reference);
+    text += fmt::format("compared      from ({}, {}) on\n", c.left, c.top);
+  }
+  text += fmt::format(
       "RMSE          {:.6g}\n"
       "relative MSE  {:.6g}\n"
       "FLIP          {:.6g} mean, {:.6g} largest (0 to 1; {:.0f} pixels per degree)\n",
-      c.width, c.height, c.differing, c.not_finite, c.rmse, c.relative_mse, c.flip_mean, c.flip_max,
-      kFlipPixelsPerDegree);
+      c.rmse, c.relative_mse, c.flip_mean, c.flip_max, kFlipPixelsPerDegree);
   if (!c.worst.empty()) text += "worst pixels  x, y from the upper left: R G B, and of the reference\n";
   for (const PixelDifference& d : c.worst) {
     text +=
@@ -38,6 +44,7 @@ void run_compare(const Options& options) {
   if (options.difference_png) check_writable(*options.difference_png);
   if (options.json) check_writable(*options.json);
   const Comparison found = compare(read_exr(options.picture), read_exr(options.reference));
+  for (const std::string& warning : found.warnings) print_warning(warning);
   fmt::print("{}", describe(found));
   if (options.difference_png) {
     write_png(heat_map(found.flip_map, found.width, found.height, 1), *options.difference_png);

@@ -8,8 +8,8 @@
 #include "harness/cli/progress.h"
 #include "harness/cli/scene_source.h"
 #include "harness/cli/usage_error.h"
-#include "plugin/files/output_file.h"
 #include "harness/scenes/embree_xml/writer.h"
+#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 namespace {

@@ -7,9 +7,9 @@
 #include "harness/cli/pinned_threads.h"
 #include "harness/cli/session.h"
 #include "harness/cli/wrong_answers.h"
-#include "plugin/files/output_file.h"
 #include "harness/report/machine.h"
 #include "harness/report/table.h"
+#include "plugin/files/output_file.h"
 #include "tests/hard_cases/hard_case.h"
 
 namespace stbvh::harness {

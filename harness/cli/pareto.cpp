@@ -11,9 +11,9 @@
 #include "harness/cli/scene_bench.h"
 #include "harness/cli/script.h"
 #include "harness/cli/session.h"
-#include "plugin/files/output_file.h"
 #include "harness/report/machine.h"
 #include "harness/report/table.h"
+#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 namespace {

@@ -15,13 +15,13 @@
 #include "harness/cli/scene_source.h"
 #include "harness/cli/session.h"
 #include "harness/cli/usage_error.h"
-#include "plugin/files/output_file.h"
 #include "harness/images/exr_file.h"
 #include "harness/images/png_file.h"
 #include "harness/images/tone_map.h"
 #include "harness/path_tracer/lights.h"
 #include "harness/report/machine.h"
 #include "harness/structures/memory_estimate.h"
+#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 namespace {
@@ -64,8 +64,27 @@ class Outputs {
   bool is_folder_;
 };
 
+/// Refuses pictures that are not all directions by latitude and longitude.
+void check_environment(const LayeredImage& image, const fs::path& path) {
+  if (image.is_cube_map) {
+    throw UsageError(
+        fmt::format("The picture \"{}\" is a cube, not one of latitude and longitude.", path.string()));
+  }
+  if (image.window() != image.display_window()) {
+    throw UsageError(
+        fmt::format("The picture \"{}\" is not a whole sphere: its data window is not its display window.",
+                    path.string()));
+  }
+  if (image.chromaticities != kRec709) {
+    print_warning(fmt::format(
+        "\"{}\" has other chromaticities than Rec. 709: its colors are taken as if they were these.",
+        path.string()));
+  }
+}
+
 Environment read_environment(const fs::path& path) {
   const LayeredImage image = read_exr(path);
+  check_environment(image, path);
   Environment environment{.radiance = {1, 1, 1}, .width = image.width, .height = image.height, .pixels = {}};
   const auto *r = image.find("R"), *g = image.find("G"), *b = image.find("B");
   if (r == nullptr || g == nullptr || b == nullptr) {

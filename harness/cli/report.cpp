@@ -15,10 +15,11 @@
 #include "harness/cli/session.h"
 #include "harness/cli/usage_error.h"
 #include "harness/cli/wrong_answers.h"
-#include "plugin/files/output_file.h"
+#include "harness/files/input_file.h"
 #include "harness/report/json.h"
 #include "harness/report/read_records.h"
 #include "harness/structures/structure_under_test.h"
+#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 namespace {
@@ -31,6 +32,7 @@ constexpr std::string_view kBenchStructures =
 constexpr std::string_view kPictureStructures = "embree,embree-4v,lbvh,stbvh,stbvh-direct";
 /// Rendered large, with many samples: how long a picture takes.
 constexpr std::string_view kLargePicture = "barbarian";
+constexpr std::size_t kMaxCopiedBytes = std::size_t{1} << 30;
 /// Beside those that speed against error is made of.
 constexpr std::string_view kOtherFamilies =
     "step-times-7,temporal-splits,time-ranges-touching,scale-1e-10,scale-1e10,origin-far,coplanar,zero-"
@@ -67,30 +69,47 @@ class ReportRun {
     for (const char* name : {"index.html", "report.md", "records/bench.json", "images/a.png"})
       check_writable(folder_ / name);
     if (!options_.from) return;
-    if (!fs::is_directory(*options_.from))
+    std::error_code error;
+    if (!fs::is_directory(*options_.from, error))
       throw UsageError(fmt::format("--from: \"{}\" is not a folder.", options_.from->string()));
     for (const char* part : {"bench", "error", "hard", "renders", "pareto", "truth"}) take(part);
     if (taken_.empty())
       throw UsageError(fmt::format("--from: no records in \"{}\".", options_.from->string()));
+    take_images();
   }
 
-  /// Takes a part's records from --from, if they are there, and the pictures.
+  /// Takes a part's records from --from, if they are there.
   void take(const std::string& part) {
     const std::string name = part + ".json";
     const fs::path inner = *options_.from / "records" / name;
-    const fs::path file = fs::exists(inner) ? inner : *options_.from / name;
-    if (!fs::exists(file)) return;
+    const fs::path file = is_there(inner) ? inner : *options_.from / name;
+    if (!is_there(file)) return;
     check_records(file);
     taken_[part] = true;
-    std::error_code error;
-    if (fs::equivalent(file, record_file(part), error)) return;
-    fs::copy_file(file, record_file(part), fs::copy_options::overwrite_existing, error);
+    copy(file, record_file(part));
+  }
+
+  void take_images() {
     const fs::path images = *options_.from / "images";
-    if (!error && fs::exists(images))
-      fs::copy(images, folder_ / "images", fs::copy_options::recursive | fs::copy_options::overwrite_existing,
-               error);
-    if (error) {
-      throw UsageError(fmt::format("Cannot copy from \"{}\": {}.", options_.from->string(), error.message()));
+    if (!is_there(images)) return;
+    for (const fs::directory_entry& entry : fs::directory_iterator(images)) {
+      if (entry.is_regular_file()) copy(entry.path(), folder_ / "images" / entry.path().filename());
+    }
+  }
+
+  /// Also of what cannot be reached: reading it will tell why.
+  static bool is_there(const fs::path& path) {
+    std::error_code ignored;
+    return fs::symlink_status(path, ignored).type() != fs::file_type::not_found;
+  }
+
+  static void copy(const fs::path& from, const fs::path& to) {
+    std::error_code error;
+    if (fs::equivalent(from, to, error)) return;
+    try {
+      write_file(to, read_whole_file(from, kMaxCopiedBytes));
+    } catch (const InputFileError& e) {
+      throw UsageError(fmt::format("\"{}\" {}.", from.string(), e.what()));
     }
   }
 

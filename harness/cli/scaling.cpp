@@ -8,11 +8,11 @@
 #include "harness/cli/scene_bench.h"
 #include "harness/cli/session.h"
 #include "harness/cli/usage_error.h"
-#include "plugin/files/output_file.h"
 #include "harness/report/machine.h"
 #include "harness/report/table.h"
 #include "harness/scenes/procedural/procedural.h"
 #include "harness/scenes/procedural/scene_plan.h"
+#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 namespace {

@@ -9,6 +9,7 @@
 #include <filesystem>
 
 #include "harness/cli/closest_name.h"
+#include "harness/cli/program.h"
 #include "harness/cli/usage_error.h"
 #include "harness/scenes/embree_xml/embree_xml.h"
 #include "harness/scenes/obj/obj.h"
@@ -82,7 +83,7 @@ Scene checked(Scene scene, const std::string& name) {
 
 void print_warning(const std::string& sentence) {
   const bool is_terminal = isatty(STDERR_FILENO) != 0;  // where a line of Progress may stand
-  fmt::print(stderr, "{}stbvh-ab: {}\n", is_terminal ? "\r\x1b[K" : "", sentence);
+  fmt::print(stderr, "{}stbvh-ab: {}\n", is_terminal ? "\r\x1b[K" : "", one_line(sentence));
 }
 
 std::vector<SceneSource> find_scenes(const Options& options) {

@@ -4,13 +4,13 @@
 
 #include <cstdio>
 
-#include "plugin/files/output_file.h"
 #include "harness/rays/ray_generator.h"
 #include "harness/report/json.h"
 #include "harness/report/machine.h"
 #include "harness/report/table.h"
 #include "harness/structures/memory_estimate.h"
 #include "harness/structures/structure_under_test.h"
+#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 

@@ -13,10 +13,10 @@
 #include "harness/cli/make_folder.h"
 #include "harness/cli/report_pictures.h"
 #include "harness/cli/session.h"
-#include "plugin/files/output_file.h"
 #include "harness/images/exr_file.h"
 #include "harness/path_tracer/frozen_times.h"
 #include "harness/path_tracer/render.h"
+#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 namespace {

@@ -14,21 +14,99 @@ namespace {
 
 constexpr double kRelativeMseOffset = 0.01;  // keeps black pixels from counting without bound
 
-using Channels = std::array<const std::vector<float>*, 3>;
+/// R, G and B of the pixels that are compared.
+using Channels = std::array<std::vector<float>, 3>;
 
-Channels channels_of(const LayeredImage& image, const char* which) {
+/// The values of a channel in `part`, which lies in the image.
+std::vector<float> cropped(const std::vector<float>& values, const LayeredImage& image,
+                           const PixelWindow& part) {
+  std::vector<float> found;
+  found.reserve(part.width * part.height);
+  const auto x = static_cast<std::size_t>(part.left - image.left);
+  const auto y = static_cast<std::size_t>(part.top - image.top);
+  for (std::size_t row = y; row < y + part.height; ++row) {
+    const auto first = values.begin() + static_cast<std::ptrdiff_t>(row * image.width + x);
+    found.insert(found.end(), first, first + static_cast<std::ptrdiff_t>(part.width));
+  }
+  return found;
+}
+
+Channels channels_of(const LayeredImage& image, const PixelWindow& part, const char* which) {
   constexpr std::array<const char*, 3> kNames{"R", "G", "B"};
-  Channels found{};
+  Channels found;
   for (std::size_t c = 0; c < 3; ++c) {
-    found[c] = image.find(kNames[c]);
-    if (found[c] == nullptr)
-      throw ComparisonError(fmt::format("The {} has no channel {}.", which, kNames[c]));
+    const std::vector<float>* values = image.find(kNames[c]);
+    if (values == nullptr)
+      throw ComparisonError(fmt::format("The {} has no channel {} of floats.", which, kNames[c]));
+    found[c] = cropped(*values, image, part);
   }
   return found;
 }
 
 std::array<float, 3> pixel(const Channels& channels, std::size_t i) {
-  return {(*channels[0])[i], (*channels[1])[i], (*channels[2])[i]};
+  return {channels[0][i], channels[1][i], channels[2][i]};
+}
+
+bool is_finite(const std::array<float, 3>& color) {
+  return std::all_of(color.begin(), color.end(), [](float v) { return std::isfinite(v); });
+}
+
+bool are_same(const std::array<float, 3>& a, const std::array<float, 3>& b) {
+  const auto same = [](float x, float y) { return x == y || (std::isnan(x) && std::isnan(y)); };
+  return std::equal(a.begin(), a.end(), b.begin(), same);
+}
+
+/// Where both have pixels.
+PixelWindow common_window(const PixelWindow& a, const PixelWindow& b) {
+  const std::int64_t left = std::max(a.left, b.left), top = std::max(a.top, b.top);
+  const std::int64_t right = std::min(a.right(), b.right()), bottom = std::min(a.bottom(), b.bottom());
+  if (left >= right || top >= bottom) return {left, top, 0, 0};
+  return {left, top, static_cast<std::size_t>(right - left), static_cast<std::size_t>(bottom - top)};
+}
+
+std::string describe(const PixelWindow& w) {
+  return fmt::format("{} x {} pixels from ({}, {}) on", w.width, w.height, w.left, w.top);
+}
+
+bool fills_its_display(const LayeredImage& image) {
+  return image.window() == image.display_window();
+}
+
+/// What is compared of two pictures.
+PixelWindow checked_window(const LayeredImage& picture, const LayeredImage& reference) {
+  const PixelWindow a = picture.window(), b = reference.window();
+  if (fills_its_display(picture) && fills_its_display(reference) && a.left == b.left && a.top == b.top &&
+      a != b) {
+    throw ComparisonError(fmt::format("The picture has {} x {} pixels, the reference {} x {}.", a.width,
+                                      a.height, b.width, b.height));
+  }
+  const PixelWindow common = common_window(a, b);
+  if (common.width == 0) {
+    throw ComparisonError(
+        fmt::format("The picture has {}, the reference {}: there is no place where both have pixels.",
+                    describe(a), describe(b)));
+  }
+  return common;
+}
+
+/// What the numbers of pixels do not say.
+std::vector<std::string> warnings_of(const LayeredImage& picture, const LayeredImage& reference) {
+  std::vector<std::string> warnings;
+  if (picture.display_window() != reference.display_window()) {
+    warnings.push_back(fmt::format("The display windows differ: {}, of the reference {}.",
+                                   describe(picture.display_window()), describe(reference.display_window())));
+  }
+  if (picture.pixel_aspect != reference.pixel_aspect) {
+    warnings.push_back(
+        fmt::format("The shapes of the pixels differ: {} times as wide as high, of the reference {}.",
+                    picture.pixel_aspect, reference.pixel_aspect));
+  }
+  if (picture.chromaticities != reference.chromaticities) {
+    warnings.push_back(fmt::format(
+        "R, G and B are of other colors in the two: the chromaticities are {}, of the reference {}.",
+        fmt::join(picture.chromaticities, " "), fmt::join(reference.chromaticities, " ")));
+  }
+  return warnings;
 }
 
 double squared_difference(const std::array<float, 3>& a, const std::array<float, 3>& b) {
@@ -41,34 +119,28 @@ double squared_difference(const std::array<float, 3>& a, const std::array<float,
 }
 
 /// Whether each pixel is finite in both pictures.
-std::vector<bool> finite_pixels(const Channels& a, const Channels& b, std::size_t count) {
-  std::vector<bool> finite(count, true);
-  for (const Channels& channels : {a, b}) {
-    for (const std::vector<float>* values : channels) {
-      for (std::size_t i = 0; i < count; ++i) {
-        if (!std::isfinite((*values)[i])) finite[i] = false;
-      }
-    }
-  }
+std::vector<bool> finite_pixels(const Channels& a, const Channels& b) {
+  std::vector<bool> finite(a[0].size());
+  for (std::size_t i = 0; i < finite.size(); ++i)
+    finite[i] = is_finite(pixel(a, i)) && is_finite(pixel(b, i));
   return finite;
 }
 
 /// What a display shows; black where not finite, so that FLIP's filters do not spread it.
-DisplayedPicture displayed(const Channels& channels, const LayeredImage& image,
-                           const std::vector<bool>& finite) {
-  DisplayedPicture shown{.width = image.width, .height = image.height, .rgb = {}};
+DisplayedPicture displayed(const Channels& channels, const std::vector<bool>& finite,
+                           const Comparison& found) {
+  DisplayedPicture shown{.width = found.width, .height = found.height, .rgb = {}};
   for (std::size_t c = 0; c < 3; ++c) {
     shown.rgb[c].resize(finite.size());
     for (std::size_t i = 0; i < finite.size(); ++i) {
-      shown.rgb[c][i] = finite[i] ? tone_mapped((*channels[c])[i]) : 0;
+      shown.rgb[c][i] = finite[i] ? tone_mapped(channels[c][i]) : 0;
     }
   }
   return shown;
 }
 
-void add_flip(const Channels& a, const Channels& b, const LayeredImage& image,
-              const std::vector<bool>& finite, Comparison& found) {
-  found.flip_map = flip(displayed(a, image, finite), displayed(b, image, finite));
+void add_flip(const Channels& a, const Channels& b, const std::vector<bool>& finite, Comparison& found) {
+  found.flip_map = flip(displayed(a, finite, found), displayed(b, finite, found));
   double total = 0;
   for (std::size_t i = 0; i < finite.size(); ++i) {
     if (!finite[i]) {
@@ -83,7 +155,10 @@ void add_flip(const Channels& a, const Channels& b, const LayeredImage& image,
 }
 
 void add_worst(const Channels& a, const Channels& b, std::vector<std::size_t> differing, Comparison& found) {
-  const auto difference = [&](std::size_t i) { return squared_difference(pixel(a, i), pixel(b, i)); };
+  const auto difference = [&](std::size_t i) {
+    const double squares = squared_difference(pixel(a, i), pixel(b, i));
+    return std::isfinite(squares) ? squares : std::numeric_limits<double>::infinity();
+  };
   const std::size_t kept = std::min(kWorstPixels, differing.size());
   std::partial_sort(differing.begin(), differing.begin() + static_cast<std::ptrdiff_t>(kept), differing.end(),
                     [&](std::size_t i, std::size_t j) {
@@ -93,32 +168,33 @@ void add_worst(const Channels& a, const Channels& b, std::vector<std::size_t> di
                     });
   for (std::size_t k = 0; k < kept; ++k) {
     const std::size_t i = differing[k];
-    found.worst.push_back({i % found.width, i / found.width, pixel(a, i), pixel(b, i)});
+    const auto x = static_cast<std::int64_t>(i % found.width), y = static_cast<std::int64_t>(i / found.width);
+    found.worst.push_back({found.left + x, found.top + y, pixel(a, i), pixel(b, i)});
   }
 }
 
 }  // namespace
 
 Comparison compare(const LayeredImage& picture, const LayeredImage& reference) {
-  const Channels a = channels_of(picture, "picture");
-  const Channels b = channels_of(reference, "reference");
-  if (picture.width != reference.width || picture.height != reference.height) {
-    throw ComparisonError(fmt::format("The picture has {} x {} pixels, the reference {} x {}.", picture.width,
-                                      picture.height, reference.width, reference.height));
-  }
-  Comparison found{.width = picture.width, .height = picture.height};
-  const std::size_t count = picture.width * picture.height;
-  const std::vector<bool> finite = finite_pixels(a, b, count);
+  const PixelWindow common = checked_window(picture, reference);
+  const Channels a = channels_of(picture, common, "picture");
+  const Channels b = channels_of(reference, common, "reference");
+  const std::size_t count = common.width * common.height;
+  Comparison found{.width = common.width, .height = common.height, .left = common.left, .top = common.top};
+  found.only_in_picture = picture.width * picture.height - count;
+  found.only_in_reference = reference.width * reference.height - count;
+  found.warnings = warnings_of(picture, reference);
+  const std::vector<bool> finite = finite_pixels(a, b);
   found.not_finite = static_cast<std::size_t>(std::count(finite.begin(), finite.end(), false));
   if (found.not_finite == count) throw ComparisonError("No pixel is finite in both pictures.");
   double squares = 0;
   double relative = 0;
   std::vector<std::size_t> differing;
   for (std::size_t i = 0; i < count; ++i) {
-    if (!finite[i]) continue;
     const std::array<float, 3> p = pixel(a, i);
     const std::array<float, 3> r = pixel(b, i);
-    if (p != r) differing.push_back(i);
+    if (!are_same(p, r)) differing.push_back(i);
+    if (!finite[i]) continue;
     squares += squared_difference(p, r);
     for (std::size_t c = 0; c < 3; ++c) {
       const double d = static_cast<double>(p[c]) - static_cast<double>(r[c]);
@@ -129,7 +205,7 @@ Comparison compare(const LayeredImage& picture, const LayeredImage& reference) {
   found.differing = differing.size();
   found.rmse = std::sqrt(squares / values);
   found.relative_mse = relative / values;
-  add_flip(a, b, picture, finite, found);
+  add_flip(a, b, finite, found);
   add_worst(a, b, std::move(differing), found);
   return found;
 }

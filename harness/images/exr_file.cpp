@@ -2,13 +2,14 @@
 
 #include <Iex.h>
 #include <ImfChannelList.h>
+#include <ImfChromaticities.h>
+#include <ImfEnvmapAttribute.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
-#include <ImfIO.h>
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfStandardAttributes.h>
 #include <ImfStringAttribute.h>
-#include <ImfVersion.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,6 +18,8 @@
 #include <string>
 
 #include "harness/files/input_file.h"
+#include "harness/images/exr_header.h"
+#include "harness/images/exr_streams.h"
 #include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
@@ -24,53 +27,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxSide = 65536;
 constexpr std::size_t kMaxFileBytes = std::size_t{4} << 30;
-constexpr std::size_t kMaxPixelBytes = std::size_t{4} << 30;
-constexpr std::size_t kMaxCompression = 4096;  // zlib reaches 1032; more is a broken header
 
-/// Where OpenEXR writes to: memory, so that the file appears whole or not at all.
-class MemoryOut final : public Imf::OStream {
- public:
-  MemoryOut() : OStream("memory") {}
-  void write(const char bytes[], int count) override {
-    const auto size = static_cast<std::size_t>(count);
-    bytes_.resize(std::max(bytes_.size(), at_ + size));
-    std::memcpy(bytes_.data() + at_, bytes, size);
-    at_ += size;
-  }
-  std::uint64_t tellp() override { return at_; }
-  void seekp(std::uint64_t position) override { at_ = position; }
-  const std::string& bytes() const { return bytes_; }
+Imath::Box2i to_box(const PixelWindow& w) {
+  const auto corner = [](std::int64_t x, std::int64_t y) {
+    return Imath::V2i(static_cast<int>(x), static_cast<int>(y));
+  };
+  return {corner(w.left, w.top), corner(w.right() - 1, w.bottom() - 1)};
+}
 
- private:
-  std::string bytes_;
-  std::size_t at_ = 0;
-};
+Imf::Chromaticities to_exr(const Chromaticities& c) {
+  return {{c[0], c[1]}, {c[2], c[3]}, {c[4], c[5]}, {c[6], c[7]}};
+}
 
-/// And reads from: the whole file, so that no read fails but for want of bytes.
-class MemoryIn final : public Imf::IStream {
- public:
-  explicit MemoryIn(std::string bytes) : IStream("memory"), bytes_(std::move(bytes)) {}
-  bool read(char target[], int count) override {
-    const auto size = static_cast<std::size_t>(count);
-    if (at_ > bytes_.size() || bytes_.size() - at_ < size) throw Iex::InputExc("it ends too early");
-    std::memcpy(target, bytes_.data() + at_, size);
-    at_ += size;
-    return at_ < bytes_.size();
-  }
-  std::uint64_t tellg() override { return at_; }
-  void seekg(std::uint64_t position) override { at_ = position; }
-  std::size_t size() const { return bytes_.size(); }
-
- private:
-  std::string bytes_;
-  std::size_t at_ = 0;
-};
-
-/// Four bytes for each pixel, row after row; `first` is the pixel at (0, 0) of the file's coordinates.
-Imf::Slice slice(Imf::PixelType type, const void* first, std::size_t width) {
-  return {type, static_cast<char*>(const_cast<void*>(first)), 4, 4 * width};
+Chromaticities from_exr(const Imf::Chromaticities& c) {
+  return {c.red.x, c.red.y, c.green.x, c.green.y, c.blue.x, c.blue.y, c.white.x, c.white.y};
 }
 
 template <typename AnyChannel>
@@ -83,16 +54,18 @@ void add_channel(const LayeredImage& image, const AnyChannel& channel, Imf::Pixe
                     channel.values.size(), image.width, image.height));
   }
   header.channels().insert(channel.name, Imf::Channel(type));
-  pixels.insert(channel.name, slice(type, channel.values.data(), image.width));
+  pixels.insert(channel.name, Imf::Slice::Make(type, channel.values.data(), header.dataWindow()));
 }
 
 std::string encode(const LayeredImage& image) {
-  if (image.width == 0 || image.height == 0 || image.width > kMaxSide || image.height > kMaxSide ||
+  if (image.width == 0 || image.height == 0 || image.width > kMaxExrSide || image.height > kMaxExrSide ||
       image.channels.size() + image.id_channels.size() == 0) {
     throw std::invalid_argument(fmt::format("{} x {} pixels of {} channels are not an image.", image.width,
                                             image.height, image.channels.size() + image.id_channels.size()));
   }
-  Imf::Header header(static_cast<int>(image.width), static_cast<int>(image.height));
+  Imf::Header header(to_box(image.display_window()), to_box(image.window()), image.pixel_aspect);
+  if (image.is_cube_map) Imf::addEnvmap(header, Imf::ENVMAP_CUBE);
+  if (image.chromaticities != kRec709) Imf::addChromaticities(header, to_exr(image.chromaticities));
   header.compression() = Imf::ZIP_COMPRESSION;
   Imf::FrameBuffer pixels;
   for (const Channel& channel : image.channels) add_channel(image, channel, Imf::FLOAT, header, pixels);
@@ -124,35 +97,31 @@ std::string bytes_of(const fs::path& path) {
   }
 }
 
-/// Width and height of the data window. Throws what read_exr turns into ImageFileError.
-std::pair<std::size_t, std::size_t> checked_size(const Imf::InputFile& file, std::size_t file_bytes) {
-  if (Imf::isMultiPart(file.version())) throw Iex::InputExc("it has several parts");
-  const Imath::Box2i& window = file.header().dataWindow();
-  const auto side = [](int first, int last) {
-    return static_cast<std::size_t>(std::int64_t{last} - std::int64_t{first} + 1);
-  };
-  const std::size_t width = side(window.min.x, window.max.x), height = side(window.min.y, window.max.y);
-  const Imf::ChannelList& channels = file.header().channels();
-  std::size_t count = 0;
-  for (auto c = channels.begin(); c != channels.end(); ++c) ++count;
-  if (count == 0) throw Iex::InputExc("it has no channels");
-  const std::size_t most_bytes = std::min(kMaxPixelBytes, kMaxCompression * file_bytes);
-  if (width > kMaxSide || height > kMaxSide || width * height > most_bytes / 4 / count) {
-    throw Iex::InputExc(
-        fmt::format("{} x {} pixels of {} channels are too many for it", width, height, count));
+/// What the header says of the picture as a whole.
+LayeredImage without_pixels(const Imf::Header& header) {
+  const PixelWindow window = to_window(header.dataWindow());
+  LayeredImage image;
+  image.width = window.width;
+  image.height = window.height;
+  image.left = window.left;
+  image.top = window.top;
+  image.display = to_window(header.displayWindow());
+  image.pixel_aspect = header.pixelAspectRatio();
+  if (Imf::hasChromaticities(header)) image.chromaticities = from_exr(Imf::chromaticities(header));
+  image.is_cube_map = Imf::hasEnvmap(header) && Imf::envmap(header) == Imf::ENVMAP_CUBE;
+  for (auto a = header.begin(); a != header.end(); ++a) {
+    const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute());
+    // OpenEXR itself says there what kind of part it is.
+    if (text != nullptr && std::string_view(a.name()) != "type")
+      image.metadata.emplace_back(a.name(), text->value());
   }
-  for (auto c = channels.begin(); c != channels.end(); ++c) {
-    if (c.channel().xSampling != 1 || c.channel().ySampling != 1) {
-      throw Iex::InputExc(fmt::format("its channel \"{}\" does not have every pixel", c.name()));
-    }
-  }
-  return {width, height};
+  return image;
 }
 
-LayeredImage decode(MemoryIn& stream) {
+LayeredImage decode(std::string_view bytes) {
+  LayeredImage image = without_pixels(read_exr_header(bytes));
+  MemoryIn stream(bytes);
   Imf::InputFile file(stream);
-  LayeredImage image;
-  std::tie(image.width, image.height) = checked_size(file, stream.size());
   const std::size_t count = image.width * image.height;
   const Imf::ChannelList& channels = file.header().channels();
   for (auto c = channels.begin(); c != channels.end(); ++c) {
@@ -162,21 +131,15 @@ LayeredImage decode(MemoryIn& stream) {
       image.channels.push_back({c.name(), std::vector<float>(count)});
     }
   }
-  const Imath::Box2i window = file.header().dataWindow();
+  const Imath::Box2i& box = file.header().dataWindow();
   Imf::FrameBuffer pixels;
   const auto read_into = [&](Imf::PixelType type, auto& channel) {
-    pixels.insert(channel.name, Imf::Slice::Make(type, channel.values.data(), window));
+    pixels.insert(channel.name, Imf::Slice::Make(type, channel.values.data(), box));
   };
   for (Channel& channel : image.channels) read_into(Imf::FLOAT, channel);
   for (IdChannel& channel : image.id_channels) read_into(Imf::UINT, channel);
   file.setFrameBuffer(pixels);
-  file.readPixels(window.min.y, window.max.y);
-  for (auto a = file.header().begin(); a != file.header().end(); ++a) {
-    const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute());
-    // OpenEXR itself says there what kind of part it is.
-    if (text != nullptr && std::string_view(a.name()) != "type")
-      image.metadata.emplace_back(a.name(), text->value());
-  }
+  file.readPixels(box.min.y, box.max.y);
   return image;
 }
 
@@ -187,9 +150,9 @@ void write_exr(const LayeredImage& image, const fs::path& path) {
 }
 
 LayeredImage read_exr(const fs::path& path) {
-  MemoryIn stream(bytes_of(path));
+  const std::string bytes = bytes_of(path);
   try {
-    return decode(stream);
+    return decode(bytes);
   } catch (const std::bad_alloc&) {
     throw;
   } catch (const std::exception& e) {

@@ -18,8 +18,10 @@ struct ImageFileError : std::runtime_error {
 /// std::invalid_argument for an image without pixels or with a channel of another size.
 void write_exr(const LayeredImage& image, const std::filesystem::path& path);
 
-/// Reads a scan-line or tiled file of one part: half and float channels as floats, unsigned ones as ids,
-/// string attributes as metadata. Throws ImageFileError.
+/// Reads a scan-line or tiled file of one part, of tiles the finest level: half and float channels as floats,
+/// unsigned ones as ids, string attributes as metadata. Throws ImageFileError, also for files of several
+/// parts, with deep pixels or with channels that do not have every pixel, and before memory is taken for more
+/// than the file can hold.
 LayeredImage read_exr(const std::filesystem::path& path);
 
 }  // namespace stbvh::harness

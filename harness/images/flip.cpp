@@ -168,7 +168,7 @@ Plane filtered(const Plane& plane, const Sensitivity& s, double pixels_per_degre
   double weight = 0;
   for (const auto& [a, b] : {std::pair(s.a1, s.b1), std::pair(s.a2, s.b2)}) {
     if (a == 0) continue;
-    const Kernel bell = sampled(radius, [&](double pixels) {
+    const Kernel bell = sampled(radius, [pixels_per_degree, b = b](double pixels) {
       const double d = pixels / pixels_per_degree;
       return std::exp(-kPi * kPi * d * d / b);
     });

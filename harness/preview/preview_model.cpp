@@ -9,12 +9,12 @@
 #include "harness/cli/picture_metadata.h"
 #include "harness/cli/scene_source.h"
 #include "harness/cli/usage_error.h"
-#include "plugin/files/output_file.h"
 #include "harness/images/exr_file.h"
 #include "harness/images/png_file.h"
 #include "harness/preview/render_command.h"
 #include "harness/rays/ray_generator.h"
 #include "harness/scenes/scene_file.h"
+#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 

@@ -6,19 +6,18 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
-#include <exception>
-#include <new>
 #include <optional>
 #include <utility>
 
+#include "harness/cli/program.h"
 #include "harness/cli/usage_error.h"
-#include "plugin/files/output_file.h"
 #include "harness/images/png_file.h"
 #include "harness/preview/frame_times.h"
 #include "harness/preview/panels.h"
 #include "harness/preview/preview_options.h"
 #include "harness/preview/preview_script.h"
 #include "harness/preview/window.h"
+#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 namespace {
@@ -174,30 +173,14 @@ class Preview final : public ScriptStage {
   bool is_idle_ = false;
 };
 
-int fail(int code, const char* text) {
-  fmt::print(stderr, "stbvh-preview: {}\n", text);
-  return code;
-}
-
 }  // namespace
 
 int run_preview(int argc, const char* const* argv) {
   const Clock::time_point start = Clock::now();
-  try {
+  return run_as_program([&] {
     const std::optional<PreviewOptions> options = parse_preview_options(argc, argv);
     if (options) Preview(*options, start).run();
-    return 0;
-  } catch (const UsageError& e) {
-    return fail(2, e.what());
-  } catch (const WindowError& e) {
-    return fail(2, e.what());
-  } catch (const OutputFileError& e) {
-    return fail(2, e.what());
-  } catch (const std::bad_alloc&) {
-    return fail(1, "Not enough memory.");
-  } catch (const std::exception& e) {
-    return fail(1, e.what());
-  }
+  });
 }
 
 }  // namespace stbvh::harness

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <functional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "harness/cli/usage_error.h"
 #include "harness/images/image.h"
 
 struct GLFWwindow;
@@ -13,8 +13,8 @@ struct GLFWwindow;
 namespace stbvh::harness {
 
 /// There is no window; what() is one sentence for the user.
-struct WindowError : std::runtime_error {
-  using std::runtime_error::runtime_error;
+struct WindowError : UsageError {
+  using UsageError::UsageError;
 };
 
 /// A rectangle of the window, in its own coordinates.

@@ -2,9 +2,11 @@
 
 Needs Debian's python3-matplotlib. What goes wrong ends the script with exit code 2 and one line on stderr.
 """
+import io
 import os
+import warnings
 
-from record_files import distinct, fail
+from record_files import distinct, fail, write_whole
 
 try:
     import matplotlib
@@ -15,9 +17,11 @@ try:
 except ImportError as error:
     fail(f"Charts need Debian's python3-matplotlib ({error}).")
 
+warnings.simplefilter("ignore", UserWarning)  # matplotlib's, of names in scripts that the font lacks and the like
+
 # The same records give the same bytes: no random ids, no date.
 matplotlib.rcParams["svg.hashsalt"] = "stbvh"
-plt.rcParams.update({"font.size": 8, "axes.titlesize": 9, "axes.grid": True, "grid.linewidth": 0.3, "axes.axisbelow": True})
+plt.rcParams.update({"text.parse_math": False, "font.size": 8, "axes.titlesize": 9, "axes.grid": True, "grid.linewidth": 0.3, "axes.axisbelow": True})
 
 # Okabe and Ito's colours, which are told apart with any kind of colour vision; a family of structures each.
 COLOURS = ("#0072b2", "#e69f00", "#d55e00", "#009e73", "#cc79a7", "#56b4e9")
@@ -72,14 +76,10 @@ def finish(figure, records, title, text="", legend_height=0.0):
 
 def save(figure, path):
     """Writes the figure: the path's ending says how. Ends the script if it cannot."""
-    partial = f"{path}.partial"
     extension = os.path.splitext(path)[1].lstrip(".")
+    picture = io.BytesIO()
     try:
-        figure.savefig(partial, format=extension, dpi=150, metadata={"Date": None} if extension == "svg" else None)
-        os.replace(partial, path)
-    except OSError as error:
-        if os.path.exists(partial):
-            os.unlink(partial)
-        fail(f'Cannot write to "{path}": {error.strerror}.')
+        figure.savefig(picture, format=extension, dpi=150, metadata={"Date": None} if extension == "svg" else None)
     finally:
         plt.close(figure)
+    write_whole(path, picture.getvalue())

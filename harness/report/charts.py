@@ -10,9 +10,10 @@ Prints the files' names.
 import argparse
 import math
 import os
+import re
 
 from chart_tools import finish, plt, save, styles, whiskers
-from record_files import distinct, fail, grouped, read_records
+from record_files import distinct, fail, grouped, read_records, run
 
 REFERENCE = "embree"
 KINDS = ("build", "speed", "summary", "scaling", "truth")  # of records that are drawn here
@@ -229,6 +230,11 @@ def charts(records):
         yield "truth", lambda: draw_truth(kinds["truth"])
 
 
+def file_name(name):
+    """The name of a chart as a file's: scenes may be called anything."""
+    return re.sub(r"[^\w.+-]", "_", name)
+
+
 # What a record is about: no two may agree in all of these.
 IDENTITY = ("kind", "scene", "structure", "reference", "measure", "rays", "threads", "over", "value", "samples_per_pixel")
 
@@ -269,17 +275,14 @@ def main():
     if arguments.structures:
         records = select(records, arguments.structures.split(","))
     drawn = 0
-    try:
-        for name, draw in charts(records):
-            path = os.path.join(arguments.output, f"{name}.{arguments.format}")
-            save(draw(), path)
-            print(path, flush=True)
-            drawn += 1
-    except KeyError as error:
-        fail(f"Records lack the field {error}: they are of another version of stbvh-ab.")
+    for name, draw in charts(records):
+        path = os.path.join(arguments.output, f"{file_name(name)}.{arguments.format}")
+        save(draw(), path)
+        print(path, flush=True)
+        drawn += 1
     if drawn == 0:
         fail("There is nothing to draw: no records of bench with embree among the structures, nor of scaling.")
 
 
 if __name__ == "__main__":
-    main()
+    run(main)

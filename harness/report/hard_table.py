@@ -6,8 +6,9 @@ false hits, wrong primitives, wrong answers of any hit; then, after ~, answers t
 changes within rounding, ties with another triangle than the exact one, and the 99th percentile of the
 relative error of t. "-" stands for a structure that cannot be asked.
 """
-import json
 import sys
+
+from record_files import read_records, run
 
 DEFAULT = ("stbvh-direct", "stbvh", "embree", "embree-robust", "embree-4v")
 COUNTS = (
@@ -33,8 +34,7 @@ def cell(record):
 
 
 def main(path, structures):
-    with open(path, encoding="utf-8") as file:
-        records = [r for r in json.load(file)["records"] if r["kind"] == "hard"]
+    records = [r for r in read_records([path]) if r["kind"] == "hard"]
     by_key = {(r["family"], r["structure"]): r for r in records}
     print("| family | " + " | ".join(structures) + " |")
     print("|---" * (len(structures) + 1) + "|")
@@ -46,4 +46,4 @@ def main(path, structures):
 if __name__ == "__main__":
     if len(sys.argv) < 2:
         sys.exit("usage: hard_table.py RECORDS.json [STRUCTURE...]")
-    main(sys.argv[1], sys.argv[2:] or DEFAULT)
+    run(lambda: main(sys.argv[1], sys.argv[2:] or DEFAULT))

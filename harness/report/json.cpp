@@ -162,9 +162,20 @@ Json to_figures(const Comparison& c) {
   for (const PixelDifference& d : c.worst) {
     worst.push_back({{"x", d.x}, {"y", d.y}, {"picture", d.picture}, {"reference", d.reference}});
   }
-  return {{"width", c.width},         {"height", c.height},     {"not_finite", c.not_finite},
-          {"differing", c.differing}, {"rmse", c.rmse},         {"relative_mse", c.relative_mse},
-          {"flip_mean", c.flip_mean}, {"flip_max", c.flip_max}, {"worst", std::move(worst)}};
+  return {{"width", c.width},
+          {"height", c.height},
+          {"left", c.left},
+          {"top", c.top},
+          {"only_in_picture", c.only_in_picture},
+          {"only_in_reference", c.only_in_reference},
+          {"not_finite", c.not_finite},
+          {"differing", c.differing},
+          {"rmse", c.rmse},
+          {"relative_mse", c.relative_mse},
+          {"flip_mean", c.flip_mean},
+          {"flip_max", c.flip_max},
+          {"worst", std::move(worst)},
+          {"warnings", c.warnings}};
 }
 
 Json to_record(const CompareResult& r) {

@@ -40,6 +40,8 @@ class HtmlPage:
         self.charts = 0
 
     def read(self, path):
+        if ".." in path.split("/"):
+            raise ValueError(f'"{path}" is not below the folder of the report')
         with open(os.path.join(self.folder, path), "rb") as file:
             return file.read()
 

@@ -8,12 +8,12 @@ import sys
 
 from chart_tools import COLOURS, family, finish, plt, save
 from matplotlib.ticker import NullFormatter
-from record_files import fail, read_records
+from record_files import fail, read_records, run
 
 PANELS = (
     ("leak_rate", "leaks, of rays aimed at vertices and edges\nof closed moving meshes"),
     ("differing_rate", "answered otherwise than exactly,\nof rays at needles and slivers"),
-    ("t_error_rel_p99", "error of t, relative, 99th percentile,\n$10^6$ from the origin"),
+    ("t_error_rel_p99", "error of t, relative, 99th percentile,\n10⁶ from the origin"),
 )
 MARKERS = {"robust": "s", "4v": "^", "fast": "v"}
 
@@ -79,4 +79,4 @@ def main(records_path, picture_path):
 if __name__ == "__main__":
     if len(sys.argv) != 3:
         sys.exit("usage: plot_pareto.py RECORDS.json PICTURE.png")
-    main(sys.argv[1], sys.argv[2])
+    run(lambda: main(sys.argv[1], sys.argv[2]))

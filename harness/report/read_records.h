@@ -8,7 +8,8 @@
 
 namespace stbvh::harness {
 
-/// A file that is missing, broken, or not of records; what() is one sentence for the user.
+/// A file that is missing, broken, too large (64 MB) or too deep (100 levels), or not of records; what() is
+/// one sentence for the user.
 struct RecordFileError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };

@@ -12,7 +12,7 @@ import report_sections as sections
 from page_blocks import Chart, Section, Text
 from page_html import html_page
 from page_markdown import markdown_page
-from record_files import distinct, fail, read_file
+from record_files import distinct, fail, read_file, run, write_whole
 
 TITLE = "STBVH for Embree: measurements"
 PARTS = ("bench", "error", "hard", "pareto", "renders", "truth")
@@ -47,7 +47,7 @@ def drawn_charts(records, folder):
         drawings.append(("pareto", lambda: plot_pareto.draw_pareto(pareto)))
     found = {}
     for name, draw in drawings:
-        path = f"charts/{name}.svg"
+        path = f"charts/{charts.file_name(name)}.svg"
         figure = draw()
         title = figure._suptitle.get_text()
         chart_tools.save(figure, os.path.join(folder, path))
@@ -78,31 +78,18 @@ def page_sections(files, charts):
 
 
 def write(path, text):
-    partial = f"{path}.partial"
-    try:
-        with open(partial, "w", encoding="utf-8") as file:
-            file.write(text)
-        os.replace(partial, path)
-    except OSError as error:
-        if os.path.exists(partial):
-            os.unlink(partial)
-        fail(f'Cannot write to "{path}": {error.strerror}.')
+    write_whole(path, text.encode())
     print(path, flush=True)
 
 
 def main(folder):
     files = read_parts(folder)
     subtitle = "; ".join(distinct(f["records"][0]["origin"] for f in files))
-    try:
-        charts = drawn_charts(chosen_records(files), folder)
-        found = page_sections(files, charts or {})
-        if charts is None:
-            found[0].blocks.append(Text("There are no charts on this page: Debian's `python3-matplotlib` is missing."))
-        page = html_page(TITLE, subtitle, found, folder)
-    except (KeyError, TypeError) as error:
-        fail(f"Records lack what the page needs ({error}): they are of another version of stbvh-ab.")
-    except OSError as error:
-        fail(f'Cannot read or write "{error.filename}": {error.strerror}.')
+    charts = drawn_charts(chosen_records(files), folder)
+    found = page_sections(files, charts or {})
+    if charts is None:
+        found[0].blocks.append(Text("There are no charts on this page: Debian's `python3-matplotlib` is missing."))
+    page = html_page(TITLE, subtitle, found, folder)
     write(os.path.join(folder, "report.md"), markdown_page(TITLE, subtitle, found))
     write(os.path.join(folder, "index.html"), page)
 
@@ -110,4 +97,4 @@ def main(folder):
 if __name__ == "__main__":
     if len(sys.argv) != 2:
         sys.exit("usage: report.py DIR")
-    main(sys.argv[1])
+    run(lambda: main(sys.argv[1]))

@@ -1,6 +1,7 @@
 /// `stbvh-ab charts` on records made up here.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <set>
 #include <string>
@@ -145,6 +146,64 @@ TEST_F(Charts, WithoutRecordsToDrawAreRefused) {
   expect_refused(charts(at("errors.json")), "nothing to draw");
   expect_refused(charts(at("bench.json") + " " + at("bench.json")), "records of the same");
   expect_refused(charts(at("bench.json"), "--structures lbvh"), "\"lbvh\"");
+}
+
+TEST_F(Charts, OfRecordsThatAreBrokenAreRefusedInOneLine) {
+  const std::string whole = to_json(scaling_report(), Machine{}, "abc");
+  const auto refused = [&](const std::string& text, const std::string& reason) {
+    write("broken.json", text);
+    expect_refused(charts(at("broken.json")), reason);
+  };
+  const auto with = [&](const std::string& field, const std::string& value) {
+    std::string text = whole;
+    const std::size_t begin = text.find("\"" + field + "\": ") + field.size() + 4;
+    return text.replace(begin, text.find_first_of(",\n", begin) - begin, value);
+  };
+  refused(std::string(200000, '[') + std::string(200000, ']'), "nested too deeply");
+  refused(with("build_s", std::string(200000, '[') + std::string(200000, ']')), "nested too deeply");
+  refused(with("build_s", "[[1]]"), "\"build_s\" is not a number");
+  refused(with("build_s", "\"1\""), "\"build_s\" is not a number");
+  refused(with("build_s", "true"), "\"build_s\" is not a number");
+  refused(with("scene", "7"), "\"scene\" is not a text");
+  refused(with("build_s", "NaN"), "NaN is not a finite number");
+  refused(with("build_s", "1e999"), "1e999 is not a finite number");
+  refused(with("build_s", std::string(5000, '9')), "has too many digits");
+  refused(with("build_s", "1, \"build_s\": 2"), "\"build_s\" stands twice");
+  refused(with("build_s_max", "-1e300"), "not");
+  refused(std::string("\xFF\xFE{\0}\0", 6), "not whole JSON");
+  write("sparse.json", "");
+  fs::resize_file(folder / "sparse.json", std::uintmax_t{100} << 30);
+  expect_refused(charts(at("sparse.json")), "more than the 67108864 bytes");
+}
+
+TEST_F(Charts, AreDrawnOfScenesOfAnyName) {
+  Report report = scaling_report();
+  for (const std::string name : {"$\\frac{", "../../up", "a\nb\x1b[31m", "\xE6\xBC\xA2", "<&\">"}) {
+    for (ScalingResult& result : report.scalings) result.build.scene = name;
+    write("names.json", "\xEF\xBB\xBF" + to_json(report, Machine{}, "abc"));  // with a byte order mark
+    const Outcome run = charts(at("names.json"));
+    EXPECT_EQ(run.exit_code, 0) << run.out;
+    EXPECT_EQ(std::count(run.out.begin(), run.out.end(), '\n'), 3) << run.out;
+    EXPECT_EQ(drawn().size(), 3u) << run.out;
+    fs::remove_all(folder / "charts");
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 3);
+}
+
+TEST_F(Charts, LinksStayLinksAndLoopsAreRefused) {
+  ASSERT_EQ(charts(at("scaling.json")).exit_code, 0);
+  const std::string first = content("scaling-steps-a.svg");
+  write("elsewhere.svg", "old");
+  fs::remove(folder / "charts" / "scaling-steps-a.svg");
+  fs::create_symlink(folder / "elsewhere.svg", folder / "charts" / "scaling-steps-a.svg");
+  ASSERT_EQ(charts(at("scaling.json")).exit_code, 0);
+  EXPECT_TRUE(fs::is_symlink(folder / "charts" / "scaling-steps-a.svg"));
+  EXPECT_EQ(read_file(folder / "elsewhere.svg"), first);
+  fs::remove_all(folder / "charts");
+  fs::create_symlink(folder / "b", folder / "a");
+  fs::create_symlink(folder / "a", folder / "b");
+  expect_refused(charts(at("a")), "Too many levels of symbolic links");
+  expect_refused(stbvh_ab("charts " + at("scaling.json") + " -o " + at("a")), "Cannot make the directory");
 }
 
 TEST_F(Charts, WhereNothingCanBeWrittenAreRefused) {

@@ -1,14 +1,19 @@
+#include <gmp.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <new>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "harness/cli/closest_name.h"
 #include "harness/cli/pinned_threads.h"
+#include "harness/cli/program.h"
+#include "harness/cli/usage_error.h"
 #include "harness/cli/wrong_answers.h"
 #include "tests/harness/run_stbvh_ab.h"
 #include "tests/harness/temporary_folder.h"
@@ -62,6 +67,35 @@ INSTANTIATE_TEST_SUITE_P(
         "truth --structures all -o /tmp", "truth --frozen-times 0 -o /tmp", "truth --spp 0 -o /tmp", "report",
         "report -o /proc/none", "report -o ''", "report --structures stbhv -o /tmp/none",
         "report --scenes no-such -o /tmp/none"));
+
+// cli_test begins as the programs do: harness/cli/program.cpp is in it.
+TEST(ProgramDeathTest, WithoutMemoryForGmpEndsInOneLine) {
+  const auto take_two_gigabytes = [] {
+    const rlimit limit{std::size_t{1} << 30, std::size_t{1} << 30};
+    setrlimit(RLIMIT_AS, &limit);
+    mpz_t number;
+    mpz_init2(number, mp_bitcnt_t{1} << 34);
+  };
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "sanitizers need addresses without limit";
+#endif
+  EXPECT_EXIT(take_two_gigabytes(), testing::ExitedWithCode(1), "^cli_test: Not enough memory.\n$");
+}
+
+TEST(ProgramDeathTest, WithoutMemoryWhereNothingCatchesEndsInOneLine) {
+  const auto no_memory = [] { throw std::bad_alloc(); };
+  EXPECT_EXIT([](const auto& fail) noexcept { fail(); }(no_memory), testing::ExitedWithCode(1),
+              "^cli_test: Not enough memory.\n$");
+  EXPECT_EXIT(run_as_program(no_memory), testing::ExitedWithCode(1), "^cli_test: Not enough memory.\n$");
+}
+
+TEST(Program, EndsWithTheExitCodeOfWhatWentWrong) {
+  EXPECT_EQ(run_as_program([] {}), 0);
+  EXPECT_EQ(run_as_program([] { throw UsageError("no"); }), 2);
+  EXPECT_EQ(run_as_program([] { throw std::runtime_error("no"); }), 1);
+  EXPECT_EQ(run_as_program([] { std::filesystem::copy_file("/no/such", "/no/other"); }), 2);
+  EXPECT_EQ(one_line("a\nb\x1b[31m\xC3\xBC"), "a?b?[31m\xC3\xBC");
+}
 
 TEST(Program, SuggestsTheClosestName) {
   EXPECT_NE(stbvh_ab("bench --scenes wheals").out.find("did you mean \"wheels\""), std::string::npos);

@@ -7,12 +7,12 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "plugin/files/output_file.h"
 #include "harness/images/compare.h"
 #include "harness/images/exr_file.h"
 #include "harness/images/flip.h"
 #include "harness/images/heat_map.h"
 #include "harness/images/tone_map.h"
+#include "plugin/files/output_file.h"
 #include "tests/harness/run_stbvh_ab.h"
 #include "tests/harness/temporary_folder.h"
 
@@ -106,13 +106,118 @@ TEST(Compare, PixelsThatAreNotFiniteAreCountedAndLeftOut) {
   picture.channels[0].values[9] = std::numeric_limits<float>::infinity();
   const Comparison c = compare(picture, reference);
   EXPECT_EQ(c.not_finite, 2u);
-  EXPECT_EQ(c.differing, 0u);
+  EXPECT_EQ(c.differing, 2u);
+  ASSERT_EQ(c.worst.size(), 2u);
+  EXPECT_TRUE(std::isnan(c.worst[0].picture[1]));
   EXPECT_EQ(c.rmse, 0);
   EXPECT_EQ(c.flip_mean, 0);
   EXPECT_EQ(std::count_if(c.flip_map.begin(), c.flip_map.end(), [](float v) { return std::isnan(v); }), 2);
   const Image map = heat_map(c.flip_map, 8, 8, 1);
   const std::array<std::uint8_t, 3> painted{map.rgb[27], map.rgb[28], map.rgb[29]};  // of pixel 9
   EXPECT_EQ(painted, kNotFiniteColor);
+}
+
+TEST(Compare, WhatIsNotFiniteIsTheSameAsItsLikeOnly) {
+  constexpr float nan = std::numeric_limits<float>::quiet_NaN(), inf = std::numeric_limits<float>::infinity();
+  const auto differing = [](float a, float b) {
+    LayeredImage picture = flat(2, 1, {0, 0, 0}), reference = picture;
+    picture.channels[1].values[1] = a;
+    reference.channels[1].values[1] = b;
+    const Comparison c = compare(picture, reference);
+    EXPECT_EQ(c.not_finite, 1u);
+    return c.differing;
+  };
+  EXPECT_EQ(differing(nan, nan), 0u);
+  EXPECT_EQ(differing(nan, -nan), 0u);
+  EXPECT_EQ(differing(inf, inf), 0u);
+  EXPECT_EQ(differing(inf, -inf), 1u);
+  EXPECT_EQ(differing(inf, nan), 1u);
+  EXPECT_EQ(differing(nan, 0), 1u);
+  EXPECT_EQ(differing(0, -inf), 1u);
+}
+
+TEST(Compare, TheWorstPixelsAreThoseFiniteInOneOnly) {
+  const LayeredImage reference = flat(4, 1, {0, 0, 0});
+  LayeredImage picture = reference;
+  picture.channels[0].values = {1, 2, std::numeric_limits<float>::quiet_NaN(), 3};
+  const Comparison c = compare(picture, reference);
+  ASSERT_EQ(c.worst.size(), 4u);
+  EXPECT_EQ(c.worst[0].x, 2);
+  EXPECT_EQ(c.worst[1].x, 3);
+  EXPECT_EQ(c.worst[3].x, 0);
+}
+
+/// Pixels of a shot: the values depend on the place only.
+LayeredImage part_of_shot(PixelWindow window) {
+  LayeredImage image = picture_of(window.width, window.height, [&](std::size_t x, std::size_t y) {
+    const auto at_x = static_cast<float>(window.left + static_cast<std::int64_t>(x));
+    const auto at_y = static_cast<float>(window.top + static_cast<std::int64_t>(y));
+    return Rgb{at_x / 64, at_y / 64, at_x * at_y / 4096};
+  });
+  image.left = window.left;
+  image.top = window.top;
+  image.display = PixelWindow{0, 0, 40, 30};
+  return image;
+}
+
+TEST(Compare, HoldsPixelsAgainstThoseAtTheSamePlace) {
+  const LayeredImage whole = part_of_shot({0, 0, 40, 30});
+  for (const PixelWindow window :
+       {PixelWindow{10, 5, 20, 20}, {-8, -3, 60, 50}, {30, 20, 40, 30}, {39, 29, 1, 1}}) {
+    const LayeredImage part = part_of_shot(window);
+    const Comparison c = compare(part, whole);
+    EXPECT_EQ(c.differing, 0u) << window.left;
+    EXPECT_EQ(c.flip_max, 0);
+    EXPECT_EQ(c.width * c.height + c.only_in_picture, window.width * window.height);
+    EXPECT_EQ(c.width * c.height + c.only_in_reference, 1200u);
+    EXPECT_EQ(c.flip_map.size(), c.width * c.height);
+    EXPECT_TRUE(c.warnings.empty());
+    const Comparison back = compare(whole, part);
+    EXPECT_EQ(back.only_in_picture, c.only_in_reference);
+  }
+  const Comparison corner = compare(part_of_shot({30, 20, 40, 30}), whole);
+  EXPECT_EQ(corner.left, 30);
+  EXPECT_EQ(corner.top, 20);
+  EXPECT_EQ(corner.width, 10u);
+  EXPECT_EQ(corner.height, 10u);
+}
+
+TEST(Compare, SamePixelsAtOtherPlacesDiffer) {
+  const LayeredImage whole = part_of_shot({0, 0, 40, 30});
+  LayeredImage moved = whole;
+  moved.left = 3;
+  const Comparison c = compare(moved, whole);
+  EXPECT_EQ(c.width, 37u);
+  EXPECT_EQ(c.differing, 37u * 30u);
+  EXPECT_EQ(c.only_in_picture, 90u);
+  ASSERT_FALSE(c.worst.empty());
+  EXPECT_GE(c.worst[0].x, 3);
+  EXPECT_NEAR(c.rmse, std::sqrt((std::pow(3.0 / 64, 2) + std::pow(3.0 / 4096, 2) * 29 * 59 / 6) / 3), 1e-6);
+}
+
+TEST(Compare, PicturesThatShareNoPlaceAreRefused) {
+  const LayeredImage whole = part_of_shot({0, 0, 40, 30});
+  EXPECT_THROW(compare(part_of_shot({40, 0, 5, 5}), whole), ComparisonError);
+  EXPECT_THROW(compare(part_of_shot({0, -5, 5, 5}), whole), ComparisonError);
+}
+
+TEST(Compare, WarnsOfWhatPixelsDoNotSay) {
+  const LayeredImage reference = part_of_shot({0, 0, 40, 30});
+  const auto warning = [&](const LayeredImage& picture) {
+    const Comparison c = compare(picture, reference);
+    EXPECT_EQ(c.differing, 0u);
+    EXPECT_EQ(c.warnings.size(), 1u);
+    return c.warnings.empty() ? "" : c.warnings[0];
+  };
+  LayeredImage other = reference;
+  other.display = PixelWindow{0, 0, 100, 100};
+  EXPECT_NE(warning(other).find("display windows differ: 100 x 100"), std::string::npos);
+  other = reference;
+  other.chromaticities[0] = 0.708f;
+  EXPECT_NE(warning(other).find("chromaticities are 0.708"), std::string::npos);
+  other = reference;
+  other.pixel_aspect = 2;
+  EXPECT_NE(warning(other).find("2 times as wide"), std::string::npos);
 }
 
 TEST(Compare, RefusesWhatCannotBeCompared) {
@@ -264,6 +369,48 @@ TEST_F(CompareCommand, WritesRecordAndPicture) {
   EXPECT_EQ(record.at("worst").size(), kWorstPixels);
   EXPECT_EQ(record.at("differing"), 48 * 32);
   EXPECT_TRUE(read_file(at("d.png")).starts_with("\x89PNG"));
+}
+
+TEST_F(CompareCommand, SaysWhatIsNotComparedAndWarns) {
+  LayeredImage moved = noisy(0);
+  moved.left = 10;
+  moved.top = 5;
+  moved.display = PixelWindow{0, 0, 100, 100};
+  moved.chromaticities = {0.708f, 0.292f, 0.17f, 0.797f, 0.131f, 0.046f, 0.3127f, 0.329f};
+  write_exr(moved, at("moved.exr"));
+  const Outcome run = stbvh_ab("compare " + at("moved.exr") + " " + at("a.exr") + " --png " + at("d.png") +
+                               " --json " + at("d.json"));
+  ASSERT_EQ(run.exit_code, 0) << run.out;
+  for (const char* part :
+       {"38 x 27, ", "510 of the picture, 510 of the reference", "from (10, 5) on",
+        "stbvh-ab: The display windows differ", "stbvh-ab: R, G and B are of other colors"}) {
+    EXPECT_NE(run.out.find(part), std::string::npos) << part << run.out;
+  }
+  const auto record = nlohmann::json::parse(read_file(at("d.json"))).at("records").at(0);
+  EXPECT_EQ(record.at("only_in_picture"), 510);
+  EXPECT_EQ(record.at("left"), 10);
+  EXPECT_EQ(record.at("warnings").size(), 2u);
+  EXPECT_GT(record.at("differing"), 0);
+}
+
+TEST_F(CompareCommand, AnEnvironmentIsAWholeSphereOrRefused) {
+  const auto rendered = [&](const LayeredImage& environment) {
+    write_exr(environment, at("e.exr"));
+    return stbvh_ab("render --scenes wheels --scale 0.01 --size 8x8 --spp 1 --environment " + at("e.exr") +
+                    " -o " + at("out.exr"));
+  };
+  LayeredImage sphere = flat(8, 4, {1, 1, 1});
+  EXPECT_EQ(rendered(sphere).exit_code, 0);
+  sphere.chromaticities[0] = 0.708f;
+  const Outcome warned = rendered(sphere);
+  EXPECT_EQ(warned.exit_code, 0);
+  EXPECT_NE(warned.out.find("other chromaticities than Rec. 709"), std::string::npos) << warned.out;
+  LayeredImage part = flat(8, 4, {1, 1, 1});
+  part.display = PixelWindow{0, 0, 16, 8};
+  expect_refusal(rendered(part), "is not a whole sphere");
+  LayeredImage cube = flat(4, 24, {1, 1, 1});
+  cube.is_cube_map = true;
+  expect_refusal(rendered(cube), "is a cube");
 }
 
 TEST_F(CompareCommand, RefusesInOneLine) {

@@ -7,12 +7,12 @@
 #include <numbers>
 #include <sstream>
 
-#include "plugin/files/output_file.h"
 #include "harness/scenes/embree_xml/writer.h"
 #include "harness/scenes/gltf/gltf.h"
 #include "harness/scenes/moving_triangle.h"
 #include "harness/scenes/procedural/procedural.h"
 #include "harness/structures/structure_under_test.h"
+#include "plugin/files/output_file.h"
 #include "tests/harness/embree_xml_files.h"
 #include "tests/harness/run_stbvh_ab.h"
 

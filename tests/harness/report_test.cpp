@@ -4,10 +4,10 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
-#include "plugin/files/output_file.h"
 #include "harness/report/json.h"
 #include "harness/report/read_records.h"
 #include "harness/report/table.h"
+#include "plugin/files/output_file.h"
 #include "tests/harness/temporary_folder.h"
 
 namespace stbvh::harness {
@@ -173,6 +173,94 @@ TEST(Json, SpeedsAndHardCasesComeBack) {
   EXPECT_EQ(back.hards[0].leaks, 3u);
   EXPECT_EQ(back.hards[0].within_rounding, 7u);
   EXPECT_FALSE(back.hards[1].leaks.has_value());
+}
+
+class RecordFile : public TemporaryFolderTest {
+ protected:
+  static std::string file_of(const std::string& record) {
+    return R"({"machine": {}, "commit": "", "records": [)" + record + "]}";
+  }
+  std::string refusal_of(const std::string& text) const {
+    try {
+      read_speeds_and_hards(write("records.json", text));
+    } catch (const RecordFileError& e) {
+      const std::string message = e.what();
+      EXPECT_NE(message.find(at("records.json")), std::string::npos) << message;
+      EXPECT_EQ(message.find('\n'), std::string::npos) << message;
+      return message;
+    }
+    return "";
+  }
+  void expect_refused(const std::string& text, const std::string& reason) const {
+    const std::string message = refusal_of(text);
+    EXPECT_NE(message.find(reason), std::string::npos) << message << "\n" << text.substr(0, 200);
+  }
+};
+
+std::string repeated(const std::string& part, std::size_t count) {
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i) text += part;
+  return text;
+}
+
+TEST_F(RecordFile, ThatIsTooDeepIsRefused) {
+  constexpr std::size_t kLevels = 200000;
+  const std::string arrays = repeated("[", kLevels) + repeated("]", kLevels);
+  const std::string objects = repeated(R"({"a":)", kLevels) + "1" + repeated("}", kLevels);
+  for (const std::string& deep : {arrays, objects}) {
+    expect_refused(deep, "nested more than 100 levels deep");
+    expect_refused(file_of(deep), "nested more than 100 levels deep");
+    expect_refused(R"({"records": )" + deep + "}", "nested more than 100 levels deep");
+  }
+  expect_refused(repeated("[", kLevels), "nested more than 100 levels deep");
+  expect_refused(file_of(R"({"kind": "other", "a": )" + repeated("[", 90) + repeated("]", 90) + "}"), "");
+}
+
+TEST_F(RecordFile, ThatIsTooLargeIsRefusedByItsSize) {
+  write("records.json", file_of(R"({"kind": "other"})"));
+  fs::resize_file(folder / "records.json", std::uintmax_t{100} << 30);
+  try {
+    check_records(folder / "records.json");
+    ADD_FAILURE();
+  } catch (const RecordFileError& e) {
+    EXPECT_NE(std::string(e.what()).find("107374182400 bytes, but at most 67108864"), std::string::npos)
+        << e.what();
+  }
+}
+
+TEST_F(RecordFile, OfOtherContentIsRefusedByName) {
+  const std::string speed = to_json(small_report(), Machine{}, "abc");
+  ASSERT_EQ(refusal_of(speed), "");
+  EXPECT_EQ(refusal_of("\xEF\xBB\xBF" + speed), "");  // a byte order mark
+  const auto with = [&](const std::string& field, const std::string& value) {
+    std::string text = speed;
+    const std::size_t begin =
+        text.find("\"" + field + "\": ", text.find("\"kind\": \"speed\"")) + field.size() + 4;
+    return text.replace(begin, text.find_first_of(",\n", begin) - begin, value);
+  };
+  ASSERT_EQ(refusal_of(with("repeats", "7")), "");
+  for (const char* wrong :
+       {"-1", "1.5", "1e300", "\"7\"", "null", "[7]", "{}", "true", "99999999999999999999"})
+    expect_refused(with("repeats", wrong), "whose \"repeats\" is not a count");
+  expect_refused(with("scene", "7"), "whose \"scene\" is not a text");
+  for (const char* wrong : {"[0]", "[-1]", "[\"1\"]", "[null]", "[[1]]", "1", "{}"})
+    expect_refused(with("ratios_to_embree", std::string(wrong) + ", \"other\": ["), "\"ratios_to_embree\"");
+  for (const char* wrong : {"NaN", "Infinity", "1e999", "-1e999", "01", "0x10"})
+    expect_refused(with("repeats", wrong), "is not whole JSON");
+  expect_refused(with("repeats", "7, \"repeats\": 8"), "has \"repeats\" twice");
+  expect_refused(file_of(R"({"kind": "speed"})"), "lacks \"scene\"");
+  expect_refused(file_of("7"), "not an object");
+  expect_refused(file_of(R"({"kind": 7})"), "\"kind\" is not a text");
+  expect_refused(speed + speed, "is not whole JSON");
+  expect_refused(std::string("\xFF\xFE{\0}\0", 6), "is not whole JSON");  // UTF-16
+  expect_refused("[]", "does not hold records");
+}
+
+TEST_F(RecordFile, WhatIsNoFileIsRefused) {
+  fs::create_symlink(folder / "b", folder / "a");
+  fs::create_symlink(folder / "a", folder / "b");
+  for (const fs::path& path : {folder / "a", folder / "none", folder})
+    EXPECT_THROW(check_records(path), RecordFileError);
 }
 
 }  // namespace

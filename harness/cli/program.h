@@ -1,0 +1,21 @@
+/// How the programs of the harness begin, and how they end where something fails: with one line and an exit
+/// code.
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace stbvh::harness {
+
+/// `text` with control characters, which names in files may hold, as question marks.
+std::string one_line(std::string text);
+
+/// Runs `work`, with an exit code. What it throws, it ends with one line on stderr: exit code 2 for what the
+/// user asked for and cannot be had, 130 for an interruption, 1 for all else, such as too little memory or
+/// a stdout that cannot be written to. ScriptFailure has an exit code of its own, and was told already.
+///
+/// Too little memory ends the program the same way where no exception can be caught: before main(), in GMP
+/// and in functions that must not throw.
+int run_as_program(const std::function<void()>& work);
+
+}  // namespace stbvh::harness

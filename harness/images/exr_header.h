@@ -1,0 +1,22 @@
+/// What an OpenEXR file says of itself, before it is believed.
+#pragma once
+
+#include <ImfHeader.h>
+
+#include <cstddef>
+#include <string_view>
+
+#include "harness/images/layered_image.h"
+
+namespace stbvh::harness {
+
+inline constexpr std::size_t kMaxExrSide = 65536;  ///< pixels
+
+PixelWindow to_window(const Imath::Box2i& box);
+
+/// The header of a file of one part that has each pixel once, with a size and with attributes that the file
+/// can hold: whatever OpenEXR allocates for it, it has been held against the size of the file. Throws
+/// Iex::InputExc, or what OpenEXR throws.
+Imf::Header read_exr_header(std::string_view file);
+
+}  // namespace stbvh::harness

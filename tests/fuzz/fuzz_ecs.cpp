@@ -1,0 +1,34 @@
+/// Bytes -> an .ecs file, beside scene.xml and scene.obj that it may name -> a scene, or the refusal.
+#include "harness/scenes/embree_xml/embree_xml.h"
+#include "reader_input.h"
+
+namespace stbvh::fuzz {
+namespace {
+
+/// With both files that an .ecs file may name.
+InputFolder make_folder() {
+  const InputFolder folder;
+  folder.write("scene.xml",
+               R"(<scene><PerspectiveCamera name="c" from="0 0 5" to="0 0 0" up="0 1 0" fov="40"/>
+<TriangleMesh><positions>0 0 0  1 0 0  0 1 0</positions><triangles>0 1 2</triangles></TriangleMesh></scene>)");
+  folder.write("scene.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  return folder;
+}
+
+void run(Bytes bytes) {
+  static const InputFolder folder = make_folder();
+  try {
+    check_scene(harness::load_embree_xml(folder.write("input.ecs", bytes)));
+  } catch (const harness::SceneFileError&) {
+  }
+}
+
+}  // namespace
+}  // namespace stbvh::fuzz
+
+extern "C" __attribute__((visibility("default"))) int LLVMFuzzerTestOneInput(const std::uint8_t* data,
+                                                                             std::size_t size) {
+  stbvh::fuzz::use_one_thread();
+  stbvh::fuzz::run({data, size});
+  return 0;
+}

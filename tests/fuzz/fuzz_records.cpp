@@ -1,0 +1,25 @@
+/// Bytes -> a file of records -> what the report takes from it, or the refusal.
+#include "harness/report/read_records.h"
+#include "reader_input.h"
+
+namespace stbvh::fuzz {
+namespace {
+
+void run(Bytes bytes) {
+  static const InputFolder folder;
+  const std::filesystem::path file = folder.write("input.json", bytes);
+  try {
+    harness::check_records(file);
+    harness::read_speeds_and_hards(file);
+  } catch (const harness::RecordFileError&) {
+  }
+}
+
+}  // namespace
+}  // namespace stbvh::fuzz
+
+extern "C" __attribute__((visibility("default"))) int LLVMFuzzerTestOneInput(const std::uint8_t* data,
+                                                                             std::size_t size) {
+  stbvh::fuzz::run({data, size});
+  return 0;
+}

@@ -1,0 +1,60 @@
+#include "reader_input.h"
+
+#include <stdlib.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "require.h"
+
+namespace stbvh::fuzz {
+namespace {
+
+namespace fs = std::filesystem;
+using harness::Mesh;
+
+bool is_finite(const Vec3f& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
+
+void check_mesh(const Mesh& mesh) {
+  require(!mesh.steps.empty() && mesh.steps.size() <= kMaxSteps, "a mesh has 1 to kMaxSteps steps");
+  for (const auto& step : mesh.steps)
+    require(step.size() == mesh.steps.front().size(), "all steps have the same vertices");
+  require(mesh.indices.size() % 3 == 0, "triangles have three corners");
+  for (const std::uint32_t index : mesh.indices)
+    require(index < mesh.steps.front().size(), "triangles have vertices that are there");
+  require(mesh.time_range.begin < mesh.time_range.end, "a mesh is there for some time");
+}
+
+}  // namespace
+
+InputFolder::InputFolder() {
+  std::string name = (fs::temp_directory_path() / "stbvh_fuzz_XXXXXX").string();
+  require(mkdtemp(name.data()) != nullptr, "there is room for the input");
+  path_ = name;
+}
+
+fs::path InputFolder::write(const std::string& name, Bytes bytes) const {
+  std::ofstream file(path_ / name, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  require(file.flush().good(), "the input can be written");
+  return path_ / name;
+}
+
+fs::path InputFolder::write(const std::string& name, const std::string& text) const {
+  return write(name, Bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+}
+
+void use_one_thread() {
+  static const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+}
+
+void check_scene(const harness::Scene& scene) {
+  for (const Mesh& mesh : scene.meshes) check_mesh(mesh);
+  require(is_finite(scene.camera.position) && is_finite(scene.camera.target) && is_finite(scene.camera.up),
+          "the camera is somewhere");
+}
+
+}  // namespace stbvh::fuzz
