@@ -201,6 +201,9 @@ struct WatertightTest {
     Range range = Range::of(az, bz, cz, 0.0);
     range.lower -= 0x1p-22 * std::fabs(range.lower);
     range.upper += 0x1p-22 * std::fabs(range.upper);
+    // Most candidates that are not the hit lie behind one.
+    const double nearest = ray.direction_z > 0.0 ? range.lower : -range.upper;
+    if (nearest > ray.s_far) return false;
     const Plane plane(ray, motion, slots);
     double t = plane.distance / plane.facing;
     const double along = t * ray.direction_z;
