@@ -84,12 +84,15 @@ struct FastTest {
     return bits;
   }
 
-  static bool decide(const TraversalRay&, const LeafHeader&, const LeafMotion&, const Candidates& c,
-                     unsigned i, Hit& hit) {
+  static bool decide(const TraversalRay&, const Ray&, const LeafHeader&, const MeshRecord&,
+                     const Candidates& c, unsigned i, Hit& hit) {
     hit.t = c.t[i];
     hit.u = c.u[i];
     hit.v = c.v[i];
-    hit.normal = {c.normal[0][i], c.normal[1][i], c.normal[2][i]};
     return is_finite(hit.t);
+  }
+
+  static Vec3f normal(const TraversalRay&, const LeafHeader&, const Candidates& c, unsigned i) {
+    return {c.normal[0][i], c.normal[1][i], c.normal[2][i]};
   }
 };

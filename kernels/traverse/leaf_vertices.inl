@@ -25,10 +25,9 @@ struct LeafMotion {
   alignas(32) StepVertices gathered[2];  ///< of an indexed leaf
 };
 
-inline void load_motion(const TraversalRay& ray, const LeafHeader& leaf, const MeshRecord& mesh,
-                        LeafMotion& motion) {
+inline void load_motion(float time, const LeafHeader& leaf, const MeshRecord& mesh, LeafMotion& motion) {
   const bool is_static = mesh.grid.segments == 0.0f;
-  const SegmentTime at = is_static ? SegmentTime{0, 0.0f} : segment_at(mesh.grid, ray.time);
+  const SegmentTime at = is_static ? SegmentTime{0, 0.0f} : segment_at(mesh.grid, time);
   motion.fraction = at.fraction;
   if (leaf.indexed) {
     const auto* vertices = reinterpret_cast<const std::uint32_t*>(&leaf + 1);
@@ -42,7 +41,9 @@ inline void load_motion(const TraversalRay& ray, const LeafHeader& leaf, const M
 }
 
 template <typename Test>
-inline LeafVertices vertices_at(const TraversalRay& ray, const LeafMotion& motion) {
+inline LeafVertices load_leaf(const TraversalRay& ray, const LeafHeader& leaf, const MeshRecord& mesh) {
+  LeafMotion motion;
+  load_motion(ray.time, leaf, mesh, motion);
   if (motion.begin == motion.end) return Test::at_rest(ray, *motion.begin);
   return Test::interpolated(ray, *motion.begin, *motion.end, motion.fraction);
 }

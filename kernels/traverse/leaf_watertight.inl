@@ -26,7 +26,7 @@ struct WatertightTest {
   /// with the origin.
   static Axes slack(Axes origin, Axes distance) {
     const Axes size = _mm_andnot_ps(_mm_set1_ps(-0.0f), origin);
-    return _mm_add_ps(_mm_mul_ps(_mm_set1_ps(0x1p-19f), distance), _mm_mul_ps(_mm_set1_ps(0x1p-22f), size));
+    return _mm_add_ps(_mm_mul_ps(_mm_set1_ps(0x1p-20f), distance), _mm_mul_ps(_mm_set1_ps(0x1p-22f), size));
   }
 
   /// The near planes move towards the ray's origin by the slack, the far planes away from it.
@@ -104,118 +104,161 @@ struct WatertightTest {
     return bits;
   }
 
-  // The distance ------------------------------------------------------------------------------------------
+  // The distance -------------------------------------------------------------------------------------------
+
+  static double least(double a, double b) { return a < b ? a : b; }
+  static double greatest(double a, double b) { return a > b ? a : b; }
+
+  struct Range {
+    double lower, upper;
+
+    static Range of(double a, double b, double c) {
+      return {least(least(a, b), c), greatest(greatest(a, b), c)};
+    }
+    double size() const { return greatest(std::fabs(lower), std::fabs(upper)); }
+  };
 
   /// A triangle as it stands to the ray, in double: corners relative to the origin, and their plane. The
   /// floats that these are made of are exact, so what rounds is 2^-53 of the triangle's size, not 2^-24 of
   /// it.
   struct Plane {
-    double corners[3][3];  ///< of each corner: x, y, z
-    double normal[3];      ///< cross(b - a, c - a)
-    double distance;       ///< from the origin, times the normal's length
-    double facing;         ///< normal . direction
+    double origin[3], direction[3];  ///< of the ray
+    double corners[3][3];            ///< of each axis: a, b, c
+    double normal[3];                ///< cross(b - a, c - a)
+    double distance;                 ///< from the origin, times the normal's length
+    double facing;                   ///< normal . direction
 
-    Plane(const TraversalRay& ray, const LeafMotion& motion, const std::uint8_t (&slots)[3]) {
+    Plane(const Ray& ray, const LeafHeader& leaf, const LeafMotion& motion, unsigned triangle)
+        : origin{ray.origin.x, ray.origin.y, ray.origin.z},
+          direction{ray.direction.x, ray.direction.y, ray.direction.z} {
       const double f1 = motion.fraction, f0 = 1.0 - f1;
-      for (int k = 0; k < 3; ++k) {
-        const double o = ray.origin[k];
-        const float* const from = motion.begin->position[k];
-        const float* const to = motion.end->position[k];
-        for (int i = 0; i < 3; ++i) corners[i][k] = f0 * (from[slots[i]] - o) + f1 * (to[slots[i]] - o);
-      }
       double e1[3], e2[3];
       for (int k = 0; k < 3; ++k) {
-        e1[k] = corners[1][k] - corners[0][k];
-        e2[k] = corners[2][k] - corners[0][k];
+        const double o = origin[k];
+        for (int i = 0; i < 3; ++i) {
+          const std::uint8_t slot = leaf.corners[i][triangle];
+          const double from = motion.begin->position[k][slot], to = motion.end->position[k][slot];
+          corners[k][i] = f0 * (from - o) + f1 * (to - o);
+        }
+        e1[k] = corners[k][1] - corners[k][0];
+        e2[k] = corners[k][2] - corners[k][0];
       }
       normal[0] = e1[1] * e2[2] - e1[2] * e2[1];
       normal[1] = e1[2] * e2[0] - e1[0] * e2[2];
       normal[2] = e1[0] * e2[1] - e1[1] * e2[0];
-      distance = normal[0] * corners[0][0] + normal[1] * corners[0][1] + normal[2] * corners[0][2];
-      facing = normal[0] * ray.direction[0] + normal[1] * ray.direction[1] + normal[2] * ray.direction[2];
+      distance = normal[0] * corners[0][0] + normal[1] * corners[1][0] + normal[2] * corners[2][0];
+      facing = normal[0] * direction[0] + normal[1] * direction[1] + normal[2] * direction[2];
     }
 
     /// Whether the plane passes the ray's origin as near as floats tell: it meets the point if each of its
     /// coordinates moves by 3 units in the last place.
-    bool holds_origin(const TraversalRay& ray) const {
-      const double size = std::fabs(normal[0] * ray.origin[0]) + std::fabs(normal[1] * ray.origin[1]) +
-                          std::fabs(normal[2] * ray.origin[2]);
+    bool holds_origin() const {
+      const double size = std::fabs(normal[0] * origin[0]) + std::fabs(normal[1] * origin[1]) +
+                          std::fabs(normal[2] * origin[2]);
       return std::fabs(distance) <= 3 * 0x1p-23 * size;
     }
-  };
 
-  static double least(double a, double b) { return a < b ? a : b; }
-  static double greatest(double a, double b) { return a > b ? a : b; }
-
-  /// Values of s, the distance along the ray on the axis kz, with its sign.
-  struct Range {
-    double lower, upper;
-
-    static Range of(double a, double b, double c, double slack) {
-      return {least(least(a, b), c) - slack, greatest(greatest(a, b), c) + slack};
+    /// The t at which the ray is within the triangle's own bounds, widened by what the boxes above are padded
+    /// for: no box hides what lies there.
+    Range within_bounds() const {
+      double reach = 0.0;
+      for (const auto& axis : corners) reach = greatest(reach, Range::of(axis[0], axis[1], axis[2]).size());
+      const double slack = 0x1p-21 * reach;
+      Range range{-kInfinity, kInfinity};
+      for (int k = 0; k < 3; ++k) {
+        if (direction[k] == 0.0) continue;
+        const Range bounds = Range::of(corners[k][0], corners[k][1], corners[k][2]);
+        const double first = (bounds.lower - slack) / direction[k];
+        const double second = (bounds.upper + slack) / direction[k];
+        range.lower = greatest(range.lower, least(first, second));
+        range.upper = least(range.upper, greatest(first, second));
+      }
+      return range;
     }
   };
 
-  /// Where the plane is met outside the triangle, or at the origin as near as floats tell: the nearest s
-  /// at which the ray is within the triangle's own bounds, padded by what the boxes above are padded for.
-  /// `weighted` is one of those.
-  static double within_bounds(const TraversalRay& ray, const Plane& plane, Range range, double weighted) {
-    const auto& q = plane.corners;
-    double reach = 0.0;
-    for (const auto& corner : q) {
-      for (int k = 0; k < 3; ++k) reach = greatest(reach, std::fabs(corner[k]));
-    }
-    const double slack = 0x1p-21 * reach;
-    const int axes[] = {ray.kx, ray.ky};
-    for (const int k : axes) {
-      const double slope = ray.direction[k] / ray.direction_z;
-      if (slope == 0.0) continue;
-      const Range across = Range::of(q[0][k], q[1][k], q[2][k], slack);
-      range.lower = greatest(range.lower, (slope > 0.0 ? across.lower : across.upper) / slope);
-      range.upper = least(range.upper, (slope > 0.0 ? across.upper : across.lower) / slope);
-    }
-    range.lower = least(range.lower, weighted);
-    range.upper = greatest(range.upper, weighted);
-    if (plane.holds_origin(ray) && range.lower <= 0.0 && range.upper >= 0.0) return 0.0;
-    const double s = plane.distance / plane.facing * ray.direction_z;
-    if (!(std::fabs(s) <= std::numeric_limits<double>::max())) return weighted;
-    return least(greatest(s, range.lower), range.upper);
+  /// The t of a hit on a triangle that the origin is near to, against its size. Weighing the corners loses
+  /// it: their floats round by their own distances. It is where the plane is met. `weighted` is the t that
+  /// weighing gives, `corners` those of the corners as the edge functions see them, along the largest axis.
+  ///
+  /// It takes the query's ray, for the traversal's own must not have an address: that costs a tenth of its
+  /// speed.
+  [[gnu::noinline]] static double t_of_plane(const Ray& ray, const LeafHeader& leaf, const MeshRecord& mesh,
+                                             unsigned triangle, Range corners, double weighted) {
+    LeafMotion motion;
+    load_motion(ray.time, leaf, mesh, motion);
+    const Plane plane(ray, leaf, motion, triangle);
+    Range range = plane.within_bounds();
+    range.lower = greatest(range.lower, corners.lower - 0x1p-22 * std::fabs(corners.lower));
+    range.upper = least(range.upper, corners.upper + 0x1p-22 * std::fabs(corners.upper));
+    range = {least(range.lower, weighted), greatest(range.upper, weighted)};
+    if (range.lower <= 0.0 && range.upper >= 0.0 && plane.holds_origin()) return 0.0;
+    const double t = plane.distance / plane.facing;
+    if (!(std::fabs(t) <= std::numeric_limits<double>::max())) return weighted;
+    return least(greatest(t, range.lower), range.upper);
   }
 
-  /// Decides candidate `i` in double. True, and t, u, v, normal of the hit, if the ray's line meets it (edges
+  /// A corner as the edge functions see it.
+  struct Corner {
+    double x, y, z;
+
+    double size() const { return std::fabs(x) + std::fabs(y) + std::fabs(z); }
+  };
+
+  /// Whether the plane of such a triangle is certainly met before the ray's range, as that of the triangle
+  /// which the ray leaves is: decided without the plane. `z` is s as weighing gives it, times det. What the
+  /// corners are off across the ray makes `slope` / det times that along it (docs/accuracy.md).
+  static bool is_before_range(const TraversalRay& ray, const Corner& a, const Corner& b, const Corner& c,
+                              double z, double det) {
+    const Corner e1{b.x - a.x, b.y - a.y, b.z - a.z}, e2{c.x - a.x, c.y - a.y, c.z - a.z};
+    const double slope = std::fabs(e1.z * e2.y - e2.z * e1.y) + std::fabs(e1.z * e2.x - e2.z * e1.x);
+    const double reach = a.size() + b.size() + c.size();
+    const double size = std::fabs(det);
+    const double error = 0x1p-20 * reach * (size + slope);
+    const double ahead = std::copysign(1.0, det) * (ray.sign_z * z - ray.s_near * det);
+    return ahead < -error && size > 0x1p-16 * reach * reach && ray.tnear >= 0.0f;
+  }
+
+  /// Decides candidate `i` in double. True, and t, u, v of the hit, if the ray's line meets it (edges
   /// included).
-  static bool decide(const TraversalRay& ray, const LeafHeader& leaf, const LeafMotion& motion,
-                     const Candidates& s, unsigned i, Hit& hit) {
-    const std::uint8_t slots[3] = {leaf.corners[0][i], leaf.corners[1][i], leaf.corners[2][i]};
-    const auto [a, b, c] = slots;
-    const double ax = s.x[a], ay = s.y[a], bx = s.x[b], by = s.y[b], cx = s.x[c], cy = s.y[c];
-    const double wa = cx * by - cy * bx;
-    const double wb = ax * cy - ay * cx;
-    const double wc = bx * ay - by * ax;
+  static bool decide(const TraversalRay& ray, const Ray& query, const LeafHeader& leaf,
+                     const MeshRecord& mesh, const Candidates& s, unsigned i, Hit& hit) {
+    const auto corner = [&](int k) {
+      const std::uint8_t slot = leaf.corners[k][i];
+      return Corner{s.x[slot], s.y[slot], s.axis[2][slot]};
+    };
+    const Corner a = corner(0), b = corner(1), c = corner(2);
+    const double wa = c.x * b.y - c.y * b.x;
+    const double wb = a.x * c.y - a.y * c.x;
+    const double wc = b.x * a.y - b.y * a.x;
     if ((wa < 0.0 || wb < 0.0 || wc < 0.0) && (wa > 0.0 || wb > 0.0 || wc > 0.0)) return false;
     const double det = wa + wb + wc;
     if (det == 0.0) return false;
     const double inverse = 1.0 / det;
-    const double az = s.axis[2][a], bz = s.axis[2][b], cz = s.axis[2][c];
-    const double weighted = (wa * az + wb * bz + wc * cz) * inverse;
-    Range range = Range::of(az, bz, cz, 0.0);
-    range.lower -= 0x1p-22 * std::fabs(range.lower);
-    range.upper += 0x1p-22 * std::fabs(range.upper);
-    // Most candidates that are not the hit lie behind one.
-    const double nearest = ray.direction_z > 0.0 ? range.lower : -range.upper;
-    if (nearest > ray.s_far) return false;
-    const Plane plane(ray, motion, slots);
-    double t = plane.distance / plane.facing;
-    const double along = t * ray.direction_z;
-    const bool is_clear = std::fabs(along - weighted) <= 0x1p-20 * std::fabs(weighted) &&
-                          along >= range.lower && along <= range.upper && !plane.holds_origin(ray);
-    if (!is_clear) t = within_bounds(ray, plane, range, weighted) / ray.direction_z;
+    const double za = wa * a.z, zb = wb * b.z, zc = wc * c.z;
+    const double z = za + zb + zc;
+    double t = z / (det * ray.direction_z);
+    const bool cancels = std::fabs(za) + std::fabs(zb) + std::fabs(zc) > 2.0 * std::fabs(z);
+    if (cancels) [[unlikely]] {
+      if (is_before_range(ray, a, b, c, z, det)) return false;
+      const double to_t = 1.0 / ray.direction_z;
+      t = t_of_plane(query, leaf, mesh, i, Range::of(a.z * to_t, b.z * to_t, c.z * to_t), t);
+    }
     hit.t = static_cast<float>(t);
     if (!is_finite(hit.t)) return false;
     hit.u = static_cast<float>(wb * inverse);
     hit.v = static_cast<float>(wc * inverse);
-    hit.normal = {static_cast<float>(plane.normal[0]), static_cast<float>(plane.normal[1]),
-                  static_cast<float>(plane.normal[2])};
     return true;
+  }
+
+  static Vec3f normal(const TraversalRay& ray, const LeafHeader& leaf, const Candidates& s, unsigned i) {
+    const std::uint8_t a = leaf.corners[0][i], b = leaf.corners[1][i], c = leaf.corners[2][i];
+    float e1[3], e2[3];
+    const int order[3] = {ray.kx, ray.ky, ray.kz};
+    for (int k = 0; k < 3; ++k) {
+      e1[order[k]] = s.axis[k][b] - s.axis[k][a];
+      e2[order[k]] = s.axis[k][c] - s.axis[k][a];
+    }
+    return {e1[1] * e2[2] - e1[2] * e2[1], e1[2] * e2[0] - e1[0] * e2[2], e1[0] * e2[1] - e1[1] * e2[0]};
   }
 };

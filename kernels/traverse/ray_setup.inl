@@ -44,6 +44,7 @@ struct TraversalRay {
   std::uint32_t mask;
 };
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr float kLargest = std::numeric_limits<float>::max();
 /// Moved outwards an origin must stay finite: where it did not, empty slots of nodes would be met.
 constexpr float kFarthestOrigin = 0x1p126f;

@@ -107,17 +107,17 @@ inline bool test_leaf(const StructureView& structure, TraversalRay& ray, const L
   }
   constexpr bool kAnyWillDo = kAnyHit && !kFiltered;
   typename Test::Candidates c;
-  LeafMotion motion;
-  load_motion(ray, leaf, mesh, motion);
-  unsigned bits = Test::template find<kAnyWillDo>(ray, leaf, vertices_at<Test>(ray, motion), c);
+  const LeafVertices vertices = load_leaf<Test>(ray, leaf, mesh);
+  unsigned bits = Test::template find<kAnyWillDo>(ray, leaf, vertices, c);
   if (kAnyWillDo && c.is_certain) return found = true;
   if constexpr (kAnyWillDo && Test::kFindDecides) return false;
   for (; bits != 0; bits &= bits - 1) {
     const auto i = static_cast<unsigned>(__builtin_ctz(bits));
     Hit hit;
-    if (!Test::decide(ray, leaf, motion, c, i, hit)) continue;
+    if (!Test::decide(ray, query.ray, leaf, mesh, c, i, hit)) continue;
     if (!(hit.t > ray.tnear && hit.t <= ray.tfar)) continue;
     if (kAnyWillDo) return found = true;
+    hit.normal = Test::normal(ray, leaf, c, i);
     hit.prim_id = leaf.prim_ids[i];
     hit.geom_id = mesh.geom_id;
     hit.mesh = leaf.mesh;
