@@ -41,10 +41,17 @@ bool is_file_name(const std::string& name) {
   return extension_of(name) == ".glb" || extension_of(name) == ".gltf" || is_embree_file(name);
 }
 
-SceneSource file_source(const std::string& name, const GltfOptions& gltf) {
-  std::error_code unreachable;  // what else is wrong with it, its reader says
-  if (std::filesystem::status(name, unreachable).type() == std::filesystem::file_type::not_found)
+/// Before anything is printed or measured. What else is wrong with it, its reader says.
+void check_reachable(const std::string& name) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(name, error);
+  if (status.type() == std::filesystem::file_type::not_found)
     throw UsageError(fmt::format("There is no file \"{}\".", name));
+  if (error) throw UsageError(fmt::format("Cannot read \"{}\": {}.", name, error.message()));
+}
+
+SceneSource file_source(const std::string& name, const GltfOptions& gltf) {
+  check_reachable(name);
   const std::string stem = std::filesystem::path(name).stem().string();
   if (is_embree_file(name))
     return {stem, [=] { return checked(load_embree_xml(name, print_warning), stem); }};
@@ -53,7 +60,7 @@ SceneSource file_source(const std::string& name, const GltfOptions& gltf) {
 
 SceneSource obj_source(const std::string& name, std::size_t number_step) {
   const std::string scene_name = obj_scene_name(name);
-  find_obj_files(name, {}, number_step);  // before anything is measured
+  for (const auto& file : find_obj_files(name, {}, number_step)) check_reachable(file.string());
   return {scene_name, [=] { return checked(load_obj(name, print_warning, number_step), scene_name); }};
 }
 

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "harness/files/input_file.h"
 #include "harness/scenes/cancellation.h"
 #include "harness/scenes/gltf/json_object.h"
 #include "harness/scenes/gltf/model_reader.h"
@@ -38,17 +39,16 @@ struct Container {
 };
 
 Bytes read_bytes(const std::filesystem::path& file, std::string_view what) {
-  std::error_code error;
-  if (!std::filesystem::exists(file, error)) fail("{} does not exist", what);
-  if (!std::filesystem::is_regular_file(file, error)) fail("{} is not a regular file", what);
-  const std::uintmax_t size = std::filesystem::file_size(file, error);
-  if (error || size > std::numeric_limits<std::uint32_t>::max()) fail("{} is larger than 4 GB", what);
-  std::ifstream stream(file, std::ios::binary);
-  Bytes bytes(static_cast<std::size_t>(size));
-  if (!stream || !stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size))) {
-    fail("{} cannot be read", what);
+  try {
+    Bytes bytes(input_file_size(file, std::numeric_limits<std::uint32_t>::max()));
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()))) {
+      fail("{} cannot be read", what);
+    }
+    return bytes;
+  } catch (const InputFileError& e) {
+    fail("{} {}", what, e.what());
   }
-  return bytes;
 }
 
 std::uint32_t read_u32(std::span<const unsigned char> bytes, std::size_t offset) {
