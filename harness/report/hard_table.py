@@ -3,8 +3,8 @@
 
 Reads the records of kind "hard" that `stbvh-ab hard` writes. A cell has what is not zero of: leaks, missed,
 false hits, wrong primitives, wrong answers of any hit; then, after ~, answers that differ where the exact one
-changes within rounding, ties with another triangle than the exact one, and the 99th percentile of the
-relative error of t. "-" stands for a structure that cannot be asked.
+changes within rounding, ties with another triangle than the exact one, rays that meet the triangle which they
+leave, and 99th percentiles of the error of t: relative, and in spacings of floats. "-" stands for a structure that cannot be asked.
 """
 import sys
 
@@ -29,8 +29,11 @@ def cell(record):
         text += f' ~{record["within_rounding"]}'
     if record["ties"]:
         text += f' ({record["ties"]} ties)'
-    error = record["t_error_rel_p99"]
-    return text + (f"; {error:.0e}" if error is not None else "; inf")
+    if record["self_hits"] is not None:
+        text += f' {record["self_hits"]} self'
+    errors = [record["t_error_rel_p99"], record["t_error_ulps_p99"]]
+    relative, ulps = (f"{e:.0e}" if e is not None else "inf" for e in errors)
+    return f"{text}; {relative}, {ulps}"
 
 
 def main(path, structures):
