@@ -274,7 +274,8 @@ TEST_F(GltfTest, KeysHoldBeforeBehindAndAtTheirTimes) {
   expect_refused(write("matrix.glb", d.bytes()), "is animated, but has a matrix");
   d.root.erase("animations");
   EXPECT_EQ(first_vertex_at({}, 9), (Floats{7}));
-  expect_refused(write("still.glb", d.bytes()), "it has no clip 'walk', for it has none at all", {"walk", {}, 9});
+  expect_refused(write("still.glb", d.bytes()), "it has no clip 'walk', for it has none at all",
+                 {"walk", {}, 9});
 }
 
 TEST_F(GltfTest, SeparateBuffers) {

@@ -266,8 +266,7 @@ class ObjScene : public ObjTest {
 
 TEST_F(ObjScene, TrianglesThatAreNotFiniteAreLeftOutAndCounted) {
   for (const char* const bad : {"nan", "-inf", "1e39", "-1e999", "2e18"}) {
-    const Scene scene =
-        load("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 " + std::string(bad) + "\nf 1 2 3\nf 2 4 3\n");
+    const Scene scene = load("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 " + std::string(bad) + "\nf 1 2 3\nf 2 4 3\n");
     ASSERT_EQ(scene.meshes.size(), 1u) << bad;
     EXPECT_EQ(scene.meshes[0].indices, (Indices{0, 1, 2})) << bad;
     EXPECT_LT(scene.bounds().upper.z, 1) << bad;

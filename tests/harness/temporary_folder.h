@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 
 #include <cerrno>
 #include <filesystem>
@@ -62,6 +64,13 @@ class TemporaryFolderTest : public testing::Test {
   }
 
   std::string at(const std::string& name) const { return (folder / name).string(); }
+
+  /// Nodes of the test's own: what replaces a device by a file must not find the machine's.
+  enum class Device : unsigned { kNull = 3, kFull = 7 };
+  /// False where only root may make them.
+  bool make_device(const std::string& name, Device device) const {
+    return mknod(at(name).c_str(), S_IFCHR | 0666, makedev(1, static_cast<unsigned>(device))) == 0;
+  }
 
  private:
   const TemporaryFolder owner_;

@@ -279,7 +279,11 @@ class Embree(WithFolder):
         self.assertIn("nothing to compare", done.stderr)
 
     def test_a_record_that_cannot_be_written_is_an_error(self):
-        done = run("--ab", "--json", "/dev/full", "true")
+        if os.getuid() != 0:
+            self.skipTest("only root can make device nodes")
+        full = self.folder / "full"
+        os.mknod(full, 0o666 | stat.S_IFCHR, os.makedev(1, 7))
+        done = run("--ab", "--json", full, "true")
         self.assertEqual(done.returncode, 1)
         self.assertIn("cannot be written", done.stderr)
 
