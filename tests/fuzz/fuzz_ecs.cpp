@@ -15,6 +15,8 @@ InputFolder make_folder() {
   return folder;
 }
 
+}  // namespace
+
 void run(Bytes bytes) {
   static const InputFolder folder = make_folder();
   try {
@@ -23,12 +25,4 @@ void run(Bytes bytes) {
   }
 }
 
-}  // namespace
 }  // namespace stbvh::fuzz
-
-extern "C" __attribute__((visibility("default"))) int LLVMFuzzerTestOneInput(const std::uint8_t* data,
-                                                                             std::size_t size) {
-  stbvh::fuzz::use_one_thread();
-  stbvh::fuzz::run({data, size});
-  return 0;
-}

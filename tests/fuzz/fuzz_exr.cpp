@@ -23,6 +23,8 @@ void check_picture(const harness::LayeredImage& picture) {
   }
 }
 
+}  // namespace
+
 void run(Bytes bytes) {
   static const InputFolder folder;
   try {
@@ -31,11 +33,4 @@ void run(Bytes bytes) {
   }
 }
 
-}  // namespace
 }  // namespace stbvh::fuzz
-
-extern "C" __attribute__((visibility("default"))) int LLVMFuzzerTestOneInput(const std::uint8_t* data,
-                                                                             std::size_t size) {
-  stbvh::fuzz::run({data, size});
-  return 0;
-}

@@ -14,6 +14,8 @@ void read(const std::filesystem::path& file, const GltfOptions& options) {
   }
 }
 
+}  // namespace
+
 void run(Bytes bytes) {
   static const InputFolder folder;
   const bool is_binary = bytes.size() >= 4 && std::equal(bytes.begin(), bytes.begin() + 4, "glTF");
@@ -27,12 +29,4 @@ void run(Bytes bytes) {
   read(file, options);
 }
 
-}  // namespace
 }  // namespace stbvh::fuzz
-
-extern "C" __attribute__((visibility("default"))) int LLVMFuzzerTestOneInput(const std::uint8_t* data,
-                                                                             std::size_t size) {
-  stbvh::fuzz::use_one_thread();
-  stbvh::fuzz::run({data, size});
-  return 0;
-}

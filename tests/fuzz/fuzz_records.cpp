@@ -3,7 +3,6 @@
 #include "reader_input.h"
 
 namespace stbvh::fuzz {
-namespace {
 
 void run(Bytes bytes) {
   static const InputFolder folder;
@@ -15,11 +14,4 @@ void run(Bytes bytes) {
   }
 }
 
-}  // namespace
 }  // namespace stbvh::fuzz
-
-extern "C" __attribute__((visibility("default"))) int LLVMFuzzerTestOneInput(const std::uint8_t* data,
-                                                                             std::size_t size) {
-  stbvh::fuzz::run({data, size});
-  return 0;
-}

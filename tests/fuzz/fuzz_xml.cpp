@@ -27,6 +27,8 @@ void check_written(const InputFolder& folder, const Scene& scene) {
   require(again.triangle_count() == scene.triangle_count(), "what is written is read again");
 }
 
+}  // namespace
+
 void run(Bytes bytes) {
   static const InputFolder folder;
   const auto xml = static_cast<std::size_t>(std::find(bytes.begin(), bytes.end(), 0) - bytes.begin());
@@ -40,12 +42,4 @@ void run(Bytes bytes) {
   }
 }
 
-}  // namespace
 }  // namespace stbvh::fuzz
-
-extern "C" __attribute__((visibility("default"))) int LLVMFuzzerTestOneInput(const std::uint8_t* data,
-                                                                             std::size_t size) {
-  stbvh::fuzz::use_one_thread();
-  stbvh::fuzz::run({data, size});
-  return 0;
-}

@@ -25,6 +25,9 @@ void check_mesh(const Mesh& mesh) {
   require(mesh.indices.size() % 3 == 0, "triangles have three corners");
   for (const std::uint32_t index : mesh.indices)
     require(index < mesh.steps.front().size(), "triangles have vertices that are there");
+  for (const auto& step : mesh.steps) {
+    for (const std::uint32_t index : mesh.indices) require(is_finite(step[index]), "triangles are somewhere");
+  }
   require(mesh.time_range.begin < mesh.time_range.end, "a mesh is there for some time");
 }
 
@@ -47,10 +50,6 @@ fs::path InputFolder::write(const std::string& name, const std::string& text) co
   return write(name, Bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
 }
 
-void use_one_thread() {
-  static const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
-}
-
 void check_scene(const harness::Scene& scene) {
   for (const Mesh& mesh : scene.meshes) check_mesh(mesh);
   require(is_finite(scene.camera.position) && is_finite(scene.camera.target) && is_finite(scene.camera.up),
@@ -58,3 +57,11 @@ void check_scene(const harness::Scene& scene) {
 }
 
 }  // namespace stbvh::fuzz
+
+extern "C" __attribute__((visibility("default"))) int LLVMFuzzerTestOneInput(const std::uint8_t* data,
+                                                                             std::size_t size) {
+  // What an input covers must not depend on who runs the tasks.
+  static const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  stbvh::fuzz::run({data, size});
+  return 0;
+}

@@ -25,9 +25,8 @@ class InputFolder {
   std::filesystem::path path_;
 };
 
-/// Lets TBB run one thread, as long as the program lives: what an input covers must not depend on who runs
-/// the tasks.
-void use_one_thread();
+/// What a target does with an input; each defines its own.
+void run(Bytes bytes);
 
 /// Aborts unless `scene` is one that the rest of the harness can work on.
 void check_scene(const harness::Scene& scene);

@@ -161,6 +161,7 @@ Ray random_ray(const Scene& scene, Random& random) {
 
 struct Tally {
   int rays = 0, hits = 0, wrong = 0;
+  double off_plane = 0;  ///< of the hit that lies farthest off
 };
 
 std::string describe(const Ray& ray) {
@@ -219,7 +220,7 @@ Tally compare(std::span<const MeshView> meshes, const BuildSettings& settings, b
     for (const bool flush_trace : {false, true}) {
       const FlushToZero guard(flush_trace);
       for (const Isa isa : available_isas()) {
-        const std::optional<Hit> expected = unculled->intersect(isa, ray);
+        const std::optional<Hit> expected = unculled->intersect(isa, ray, &tally.off_plane);
         ++tally.rays;
         tally.hits += expected.has_value();
         if (agrees(*structure, expected, isa, ray)) continue;
@@ -253,6 +254,7 @@ TEST_P(RobustnessOf, TreeFindsWhatTheTriangleTestAccepts) {
       const Tally tally =
           compare(meshes, settings, flush_build, 2000, [&] { return random_ray(scene, random); });
       EXPECT_EQ(tally.wrong, 0) << "of " << tally.rays;
+      EXPECT_LE(tally.off_plane, 1);
       EXPECT_GT(tally.hits, tally.rays / 20);
     }
   }

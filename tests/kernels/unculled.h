@@ -1,6 +1,7 @@
 /// The triangle test of the kernels with nothing above it: neither boxes nor splits in time.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstring>
 #include <memory>
@@ -8,6 +9,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "kernels/layout/time_grid.h"
+#include "off_plane.h"
 #include "test_meshes.h"
 
 namespace stbvh::test {
@@ -27,11 +30,13 @@ class Unculled {
   Unculled(const Unculled&) = delete;
   Unculled& operator=(const Unculled&) = delete;
 
-  std::optional<Hit> intersect(Isa isa, Ray ray) const {
+  /// `off` becomes what off_plane() says of the hit that lies farthest off.
+  std::optional<Hit> intersect(Isa isa, Ray ray, double* off = nullptr) const {
     std::optional<Hit> nearest;
     for (const Triangle& triangle : triangles_) {
       Hit hit;
       if (!triangle.leaf->intersect_on(isa, ray, hit)) continue;
+      if (off != nullptr) *off = std::max(*off, triangle.off_plane_of(ray, hit.t));
       if (nearest && hit.t == nearest->t) continue;
       nearest = hit;
       nearest->prim_id = triangle.prim;
@@ -47,6 +52,13 @@ class Unculled {
     std::unique_ptr<Structure> leaf;
     std::uint32_t prim;
     std::vector<Corners> steps;  ///< read by `leaf`
+    TimeGrid grid;
+
+    double off_plane_of(const Ray& ray, float t) const {
+      if (steps.size() == 1) return off_plane(steps[0], steps[0], 0.0f, ray, t);
+      const SegmentTime at = segment_at(grid, ray.time);
+      return off_plane(steps[at.segment], steps[at.segment + 1], at.fraction, ray, t);
+    }
   };
 
   static Corners corners(const VertexBufferView& step, const std::array<std::uint32_t, 3>& vertices) {
@@ -77,7 +89,11 @@ class Unculled {
       if (leaf->statistics().triangles == 0) continue;  // a mesh that is never alive
       if (leaf->statistics().depth != 0) throw std::logic_error("a triangle at rest is more than a leaf");
       for (std::size_t k = 0; k < steps.size(); ++k) corners_of_steps[k] = corners(mesh.steps[k], vertices);
-      triangles_.push_back({std::move(leaf), static_cast<std::uint32_t>(prim), std::move(corners_of_steps)});
+      const TimeRange range = mesh.time_range;
+      const TimeGrid grid{range.begin, range.end, range.end - range.begin,
+                          static_cast<float>(mesh.steps.size() - 1)};
+      triangles_.push_back(
+          {std::move(leaf), static_cast<std::uint32_t>(prim), std::move(corners_of_steps), grid});
     }
   }
 
