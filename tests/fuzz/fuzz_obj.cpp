@@ -1,5 +1,5 @@
 /// Bytes -> an .obj file -> a scene, or the refusal.
-#include "harness/scenes/obj/obj_sequence.h"
+#include "harness/scenes/obj/obj.h"
 #include "reader_input.h"
 
 namespace stbvh::fuzz {
