@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <limits>
@@ -62,11 +64,22 @@ static float normal(float time) {
   return std::fabs(time) < std::numeric_limits<float>::min() ? 0.0f : time;
 }
 
+/// Elements of `bytes`, `stride` apart, end within memory, and take no more than half of it.
+static bool fits(const void* data, std::size_t count, std::size_t stride, std::size_t bytes) {
+  using Wide = unsigned __int128;
+  constexpr Wide kHalf = std::numeric_limits<std::ptrdiff_t>::max();
+  const Wide extent = count == 0 ? 0 : Wide{count - 1} * stride + bytes;
+  const Wide end = Wide{reinterpret_cast<std::uintptr_t>(data)} + extent;
+  return stride <= kHalf && extent <= kHalf && end <= std::numeric_limits<std::uintptr_t>::max();
+}
+
 bool is_readable(const MeshView& mesh) {
   if (mesh.steps.empty() || mesh.steps.size() > kMaxSteps) return false;
   if (mesh.indices == nullptr && mesh.triangle_count > 0) return false;
   if (mesh.triangle_count > kInvalidId || mesh.index_stride < 3 * sizeof(std::uint32_t)) return false;
+  if (!fits(mesh.indices, mesh.triangle_count, mesh.index_stride, 3 * sizeof(std::uint32_t))) return false;
   for (const VertexBufferView& step : mesh.steps) {
+    if (!fits(step.data, step.count, step.stride, sizeof(Vec3f))) return false;
     if (step.count != mesh.steps[0].count || step.stride < sizeof(Vec3f)) return false;
     if (step.data == nullptr && step.count > 0) return false;
   }
