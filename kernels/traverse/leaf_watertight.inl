@@ -21,9 +21,8 @@ struct WatertightTest {
   // Boxes -------------------------------------------------------------------------------------------------
 
   /// How far the triangle test may see a vertex from where it is: its translation, interpolation and shear
-  /// round by up to 8 * 2^-24 of the distance of the vertex, the slab distances by 3 more, and a hit may lie
-  /// 16 before or behind that vertex (docs/accuracy.md). The second term survives the rounding of the sum
-  /// with the origin.
+  /// round by up to 8 * 2^-24 of the distance of the vertex, the slab distances by 3 more (docs/accuracy.md).
+  /// The second term survives the rounding of the sum with the origin.
   static Axes slack(Axes origin, Axes distance) {
     const Axes size = _mm_andnot_ps(_mm_set1_ps(-0.0f), origin);
     return _mm_add_ps(_mm_mul_ps(_mm_set1_ps(0x1p-20f), distance), _mm_mul_ps(_mm_set1_ps(0x1p-22f), size));
