@@ -9,8 +9,8 @@
 #include <new>
 #include <vector>
 
-#include "build/builder.h"
-#include "build/collapse.h"
+#include "builder/builder.h"
+#include "builder/collapse.h"
 #include "layout/encoder.h"
 #include "layout/node_walk.h"
 #include "traverse/kernel_table.h"

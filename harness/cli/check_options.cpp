@@ -13,11 +13,11 @@
 #include "harness/cli/render_options.h"
 #include "harness/cli/report_options.h"
 #include "harness/cli/usage_error.h"
+#include "harness/hard_cases/hard_case.h"
 #include "harness/rays/ray_generator.h"
 #include "harness/scenes/procedural/procedural.h"
 #include "harness/scenes/reach.h"
 #include "harness/structures/structure_under_test.h"
-#include "tests/hard_cases/hard_case.h"
 
 namespace stbvh::harness {
 namespace {

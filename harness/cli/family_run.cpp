@@ -7,7 +7,7 @@
 #include "harness/cli/distance_figures.h"
 #include "harness/cli/session.h"
 #include "harness/cli/trace.h"
-#include "tests/hard_cases/judged_case.h"
+#include "harness/hard_cases/judged_case.h"
 
 namespace stbvh::harness {
 namespace {

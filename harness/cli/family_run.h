@@ -7,8 +7,8 @@
 #include "harness/cli/options.h"
 #include "harness/cli/pinned_threads.h"
 #include "harness/cli/progress.h"
+#include "harness/hard_cases/hard_case.h"
 #include "harness/report/records.h"
-#include "tests/hard_cases/hard_case.h"
 
 namespace stbvh::harness {
 

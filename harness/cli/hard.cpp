@@ -7,10 +7,10 @@
 #include "harness/cli/pinned_threads.h"
 #include "harness/cli/session.h"
 #include "harness/cli/wrong_answers.h"
+#include "harness/hard_cases/hard_case.h"
 #include "harness/report/machine.h"
 #include "harness/report/table.h"
 #include "plugin/files/output_file.h"
-#include "tests/hard_cases/hard_case.h"
 
 namespace stbvh::harness {
 

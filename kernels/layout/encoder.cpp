@@ -9,8 +9,8 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "build/collapse.h"
-#include "build/mbsah.h"
+#include "builder/collapse.h"
+#include "builder/mbsah.h"
 
 namespace stbvh {
 

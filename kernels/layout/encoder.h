@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "build/build_context.h"
-#include "build/builder.h"
+#include "builder/build_context.h"
+#include "builder/builder.h"
 #include "layout/layout.h"
 
 namespace stbvh {

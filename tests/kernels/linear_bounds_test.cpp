@@ -1,4 +1,4 @@
-#include "build/linear_bounds.h"
+#include "builder/linear_bounds.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "build/meshlets.h"
+#include "builder/meshlets.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

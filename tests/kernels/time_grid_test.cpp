@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "build/mesh_set.h"
+#include "builder/mesh_set.h"
 
 namespace stbvh {
 namespace {

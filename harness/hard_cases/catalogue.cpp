@@ -1,0 +1,41 @@
+#include "harness/hard_cases/catalogue.h"
+
+namespace stbvh::harness {
+
+bool HardFamily::admits(std::string_view structure) const {
+  switch (askable) {
+    case Askable::kAll:
+      return true;
+    case Askable::kOurs:
+      return structure.starts_with("stbvh");
+    case Askable::kDirect:
+      return structure.starts_with("stbvh-direct");
+  }
+  return false;
+}
+
+std::span<const HardFamily> hard_families() {
+  static const std::vector<HardFamily> families = [] {
+    std::vector<HardFamily> all;
+    add_closed_families(all);
+    add_time_families(all);
+    add_scale_families(all);
+    add_thin_families(all);
+    add_flat_families(all);
+    add_ground_families(all);
+    add_motion_families(all);
+    add_range_families(all);
+    add_invalid_families(all);
+    return all;
+  }();
+  return families;
+}
+
+const HardFamily* find_hard_family(std::string_view name) {
+  for (const HardFamily& family : hard_families()) {
+    if (family.name == name) return &family;
+  }
+  return nullptr;
+}
+
+}  // namespace stbvh::harness

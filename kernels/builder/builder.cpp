@@ -1,0 +1,236 @@
+#include "builder/builder.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_group.h>
+
+#include <algorithm>
+#include <new>
+
+#include "builder/mbsah.h"
+#include "builder/meshlets.h"
+#include "builder/object_split.h"
+#include "builder/temporal_split.h"
+
+namespace stbvh {
+
+namespace {
+
+constexpr std::size_t kParallelSet = 1024;    ///< sets from this size on are built as tasks of their own
+constexpr std::size_t kSplitDepthLimit = 56;  ///< below, sets are only halved: bounds the depth of the tree
+constexpr std::size_t kPollSet = 65536;       ///< sets from this size on ask the progress callback themselves
+constexpr std::size_t kChunk = 1024;
+
+/// Where TBB has no memory for it the tasks run to their end.
+void cancel(tbb::task_group& group) {
+  try {
+    group.cancel();
+  } catch (const std::bad_alloc&) {
+  }
+}
+
+/// Runs both on the task scheduler where `parallel`, else one after the other. Exceptions of either get out.
+template <typename F, typename G>
+void invoke_both(bool parallel, const F& f, const G& g) {
+  if (!parallel) {
+    f();
+    g();
+    return;
+  }
+  tbb::task_group group;
+  group.run(g);
+  try {
+    f();
+  } catch (...) {
+    cancel(group);
+    group.wait();  // a group that nobody waited for ends the process
+    throw;
+  }
+  // Skipped where a task above has thrown: that one's exception gets out in the end.
+  if (group.wait() == tbb::task_group_status::canceled) throw BuildCancelled();
+}
+
+/// Linear bounds over `range` of two subtrees that may be alive in parts of it only.
+LinearBounds merged_bounds(const ClosedTimeRange& range, const BinaryNode& left, const BinaryNode& right) {
+  const LinearBounds bounds[2] = {left.bounds(), right.bounds()};
+  if (left.range == range && right.range == range) {
+    LinearBounds both = bounds[0];
+    both.extend(bounds[1]);
+    return both;
+  }
+  const double length = static_cast<double>(range.last) - range.begin;
+  const auto parameter = [&](float time) {
+    return length > 0 ? static_cast<float>((static_cast<double>(time) - range.begin) / length) : 0.0f;
+  };
+  std::array<BoundsSample, 6> samples;
+  std::size_t count = 0;
+  const ClosedTimeRange ranges[2] = {left.range, right.range};
+  for (std::size_t i = 0; i < 2; ++i) {
+    samples[count++] = {parameter(ranges[i].begin), bounds[i].lower_begin, bounds[i].upper_begin};
+    samples[count++] = {parameter(ranges[i].last), bounds[i].lower_end, bounds[i].upper_end};
+  }
+  const auto earlier = [](const BoundsSample& a, const BoundsSample& b) { return a.parameter < b.parameter; };
+  std::sort(samples.begin(), samples.begin() + 4, earlier);
+  // Nothing is alive before the first and after the last: those boxes may stand at the ends as well.
+  samples[count] = samples[count - 1];
+  samples[count++].parameter = 1.0f;
+  samples[count] = samples[0];
+  samples[count++].parameter = 0.0f;
+  std::rotate(samples.begin(), samples.end() - 1, samples.end());
+  // Halves meet within a float of time: no line should be laid through two boxes so close.
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    if (samples[i + 1].parameter - samples[i].parameter > 1e-3f) continue;
+    samples[i].lower = samples[i + 1].lower = min(samples[i].lower, samples[i + 1].lower);
+    samples[i].upper = samples[i + 1].upper = max(samples[i].upper, samples[i + 1].upper);
+  }
+  return tightest_at_centre(samples);
+}
+
+}  // namespace
+
+BinaryTree::BinaryTree(BuildContext& context)
+    : context_(context), arenas_([&context] { return Arena(context.memory); }) {}
+
+void BinaryTree::build() {
+  context_.meshlets.resize(context_.meshes.size());
+  tbb::parallel_for(std::size_t{0}, context_.meshes.size(), [&](std::size_t i) {
+    context_.meshlets[i] = make_meshlets(context_, context_.meshes[i]);
+  });
+  std::size_t meshlets = 0;
+  for (const MeshletSet& set : context_.meshlets) {
+    meshlets += set.meshlets().size();
+    invalid_triangles_ += set.invalid_triangles;
+  }
+  if (meshlets == 0) return;
+  TemporaryArray<Reference> storage(context_.memory, meshlets);
+  ReferenceSet all = make_references(storage);
+  if (all.size() == 0) return;
+  total_work_ =
+      static_cast<double>(all.size()) * std::max(1e-30, static_cast<double>(range_.last) - range_.begin);
+  root_ = build_root(all).node;
+}
+
+BinaryTree::Subtree BinaryTree::build_root(ReferenceSet& set) {
+  const auto is_static = [&](const Reference& reference) {
+    return context_.meshes[reference.mesh].is_static();
+  };
+  const auto moving = std::partition(set.references.begin(), set.references.end(), is_static);
+  const auto count = static_cast<std::size_t>(moving - set.references.begin());
+  if (count == 0 || count == set.size()) return build_node(set, 0);
+  const auto [still, moves] = set.split_at(count);
+  return build_children(set.range, still, moves, 1);
+}
+
+ReferenceSet BinaryTree::make_references(TemporaryArray<Reference>& storage) {
+  // The times of any mesh, within [0, 1].
+  float begin = 1.0f, last = 0.0f;
+  for (const BuildMesh& mesh : context_.meshes) {
+    begin = std::min(begin, std::max(mesh.grid().begin, 0.0f));
+    last = std::max(last, std::min(mesh.grid().end, 1.0f));
+  }
+  ReferenceSet set;
+  if (begin > last) begin = last = 0.0f;  // nothing is ever alive
+  range_ = {begin, last};
+
+  std::size_t out = 0;
+  for (std::size_t m = 0; m < context_.meshes.size(); ++m) {
+    const BuildMesh& mesh = context_.meshes[m];
+    const MeshletSet& set_of_mesh = context_.meshlets[m];
+    const MotionSamples samples(mesh, range_);
+    if (samples.count == 0) continue;
+    const std::size_t count = set_of_mesh.meshlets().size();
+    context_.progress.poll();
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kChunk), [&](const auto& part) {
+      for (std::size_t i = part.begin(); i != part.end(); ++i) {
+        const LinearBounds bounds = motion_bounds(mesh, samples, set_of_mesh.meshlets()[i].used_vertices());
+        storage.data()[out + i] =
+            make_reference(bounds, static_cast<std::uint32_t>(m), static_cast<std::uint32_t>(i));
+      }
+    });
+    out += count;
+    live_triangles_ += set_of_mesh.triangles;
+    primitive_segments_ += set_of_mesh.triangles * std::max<std::size_t>(mesh.segments(), 1);
+  }
+  set.references = storage.span().first(out);
+  set.range = range_;
+  set.update_bounds();
+  return set;
+}
+
+BinaryTree::Subtree BinaryTree::build_node(ReferenceSet set, std::size_t depth) {
+  if (set.size() >= kPollSet) context_.progress.poll();
+  context_.progress.check();
+  const bool may_choose = depth < kSplitDepthLimit;
+  if (may_choose) {
+    const std::optional<TemporalSplit> temporal = find_temporal_split(context_, set);
+    if (temporal && temporal->wanted_share >= kTemporalShare)
+      return split_in_time(set, temporal->halves, depth);
+  }
+  if (set.size() == 1) return make_leaf(set);
+  ObjectSplit object;
+  if (may_choose) object = find_object_split(set);
+  return split_in_space(set, depth, object);
+}
+
+BinaryTree::Subtree BinaryTree::split_in_time(const ReferenceSet& set, const ClosedTimeRange (&halves)[2],
+                                              std::size_t depth) {
+  temporal_splits_.fetch_add(1, std::memory_order_relaxed);
+  Subtree subtrees[2];
+  const auto build_half = [&](int half) {
+    TemporaryArray<Reference> storage(context_.memory, set.size());
+    const ReferenceSet remade = remake_references(context_, set, halves[half], storage.span());
+    if (remade.size() > 0) subtrees[half] = build_node(remade, depth + 1);
+  };
+  // One half after the other where the set is small: its copy is given back before the other is made.
+  invoke_both(
+      set.size() >= kParallelSet, [&] { build_half(0); }, [&] { build_half(1); });
+  const auto& [first, second] = subtrees;
+  if (first.node == nullptr && second.node == nullptr) throw BuildCancelled();  // tasks were skipped
+  if (first.node == nullptr || second.node == nullptr) return first.node != nullptr ? first : second;
+  return make_inner(set.range, first, second);
+}
+
+BinaryTree::Subtree BinaryTree::split_in_space(ReferenceSet& set, std::size_t depth,
+                                               const ObjectSplit& split) {
+  const auto [left, right] = apply_object_split(set, split);
+  return build_children(set.range, left, right, depth + 1);
+}
+
+BinaryTree::Subtree BinaryTree::build_children(const ClosedTimeRange& range, const ReferenceSet& left_set,
+                                               const ReferenceSet& right_set, std::size_t depth) {
+  Subtree left, right;
+  invoke_both(
+      left_set.size() + right_set.size() >= kParallelSet, [&] { left = build_node(left_set, depth); },
+      [&] { right = build_node(right_set, depth); });
+  if (left.node == nullptr || right.node == nullptr) throw BuildCancelled();  // tasks were skipped
+  return make_inner(range, left, right);
+}
+
+BinaryTree::Subtree BinaryTree::make_leaf(const ReferenceSet& set) {
+  BinaryLeaf* leaf = arenas_.local().make<BinaryLeaf>();
+  const Reference& reference = set.references[0];
+  const BuildMesh& mesh = context_.meshes[reference.mesh];
+  leaf->packed_bounds = PackedBounds(reference.bounds());
+  leaf->range = set.range;
+  leaf->subtree_leaves = 1;
+  leaf->meshlet = &context_.meshlets[reference.mesh].meshlets()[reference.meshlet];
+  leaf->mesh = reference.mesh;
+  leaf->segments = mesh.is_static() ? BuildMesh::SegmentRange{0, 0} : mesh.segments_in(set.range);
+  leaf->is_indexed = false;
+  const double length = static_cast<double>(set.range.last) - set.range.begin;
+  context_.progress.add(static_cast<double>(set.size()) * length / total_work_);
+  return {leaf, leaf_costs(*leaf)};
+}
+
+BinaryTree::Subtree BinaryTree::make_inner(const ClosedTimeRange& range, const Subtree& left,
+                                           const Subtree& right) {
+  BinaryInner* inner = arenas_.local().make<BinaryInner>();
+  inner->packed_bounds = PackedBounds(merged_bounds(range, *left.node, *right.node));
+  inner->range = range;
+  inner->subtree_leaves = left.node->subtree_leaves + right.node->subtree_leaves;
+  inner->children[0] = left.node;
+  inner->children[1] = right.node;
+  return {inner, share_slots(*inner, left.costs, right.costs)};
+}
+
+}  // namespace stbvh

@@ -1,0 +1,60 @@
+/// The top-down builder: from meshes to a binary tree of object and temporal splits.
+#pragma once
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <atomic>
+
+#include "builder/binary_tree.h"
+#include "builder/build_context.h"
+#include "builder/collapse.h"
+#include "builder/reference_set.h"
+
+namespace stbvh {
+
+/// The tree and the memory that its nodes live in.
+class BinaryTree {
+ public:
+  explicit BinaryTree(BuildContext& context);
+
+  /// Splits until every set fits a leaf; how to collapse it is worked out on the way up.
+  void build();
+
+  BinaryNode* root() const { return root_; }  ///< null: there is no valid triangle
+  ClosedTimeRange range() const { return range_; }
+  std::size_t live_triangles() const { return live_triangles_; }
+  std::size_t invalid_triangles() const { return invalid_triangles_; }
+  std::size_t primitive_segments() const { return primitive_segments_; }
+  std::size_t temporal_splits() const { return temporal_splits_.load(); }
+
+ private:
+  /// A finished subtree, with what the node above it needs to know.
+  struct Subtree {
+    BinaryNode* node = nullptr;
+    CollapseCosts costs;
+  };
+
+  ReferenceSet make_references(TemporaryArray<Reference>& storage);
+  /// Static meshes and moving ones go to different sides of the root: what stands still is mostly large, and
+  /// would stretch the boxes of what moves.
+  Subtree build_root(ReferenceSet& set);
+  Subtree build_node(ReferenceSet set, std::size_t depth);
+  Subtree build_children(const ClosedTimeRange& range, const ReferenceSet& left_set,
+                         const ReferenceSet& right_set, std::size_t depth);
+  Subtree make_leaf(const ReferenceSet& set);  ///< of one reference
+  Subtree make_inner(const ClosedTimeRange& range, const Subtree& left, const Subtree& right);
+  Subtree split_in_time(const ReferenceSet& set, const ClosedTimeRange (&halves)[2], std::size_t depth);
+  Subtree split_in_space(ReferenceSet& set, std::size_t depth, const struct ObjectSplit& split);
+
+  BuildContext& context_;
+  tbb::enumerable_thread_specific<Arena> arenas_;
+  BinaryNode* root_ = nullptr;
+  ClosedTimeRange range_{0.0f, 1.0f};
+  double total_work_ = 0;
+  std::size_t live_triangles_ = 0;
+  std::size_t invalid_triangles_ = 0;
+  std::size_t primitive_segments_ = 0;
+  std::atomic<std::size_t> temporal_splits_{0};
+};
+
+}  // namespace stbvh

@@ -1,0 +1,67 @@
+#include "builder/linear_bounds.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "stbvh/mesh_view.h"
+
+namespace stbvh {
+
+namespace {
+
+struct Point {
+  double s, v;
+};
+
+/// The lower hull edge over `centre`, as values at 0 and 1 (Andrew's monotone chain).
+Point lower_hull_line(std::span<const Point> points, double centre) {
+  std::array<Point, kMaxSteps + 2> hull;
+  std::size_t n = 0;
+  for (const Point& p : points) {
+    if (n > 0 && p.s <= hull[n - 1].s) {  // two samples at one time: the lower one counts
+      hull[n - 1].v = std::min(hull[n - 1].v, p.v);
+      continue;
+    }
+    while (n >= 2) {
+      const Point& a = hull[n - 2];
+      const Point& b = hull[n - 1];
+      if ((b.s - a.s) * (p.v - a.v) > (b.v - a.v) * (p.s - a.s)) break;
+      --n;
+    }
+    hull[n++] = p;
+  }
+  std::size_t i = 1;
+  while (i + 1 < n && hull[i].s < centre) ++i;
+  const Point& a = hull[i - 1];
+  const Point& b = hull[i];
+  const double slope = (b.v - a.v) / (b.s - a.s);
+  return {a.v - a.s * slope, a.v + (1.0 - a.s) * slope};
+}
+
+}  // namespace
+
+LinearBounds tightest_at_centre(std::span<const BoundsSample> samples) {
+  const BoundsSample& first = samples.front();
+  const BoundsSample& last = samples.back();
+  if (samples.size() <= 2) return {first.lower, first.upper, last.lower, last.upper};
+  std::array<Point, kMaxSteps + 2> points;
+  alignas(16) float lines[4][4] = {};
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int upper = 0; upper < 2; ++upper) {
+      const double sign = upper ? -1.0 : 1.0;
+      for (std::size_t i = 0; i < samples.size(); ++i) {
+        const F32x4& corner = upper ? samples[i].upper : samples[i].lower;
+        points[i] = {samples[i].parameter, sign * static_cast<double>(corner[axis])};
+      }
+      const Point line = lower_hull_line({points.data(), samples.size()}, 0.5);
+      // Parameters and the line's two values are rounded to float: outwards by more than that.
+      const double outwards = -sign * 0x1p-22 * std::max(std::fabs(line.s), std::fabs(line.v));
+      lines[upper][axis] = static_cast<float>(sign * line.s + outwards);
+      lines[2 + upper][axis] = static_cast<float>(sign * line.v + outwards);
+    }
+  }
+  return {_mm_load_ps(lines[0]), _mm_load_ps(lines[1]), _mm_load_ps(lines[2]), _mm_load_ps(lines[3])};
+}
+
+}  // namespace stbvh

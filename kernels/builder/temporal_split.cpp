@@ -1,0 +1,134 @@
+#include "builder/temporal_split.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "builder/mbsah.h"
+#include "layout/layout.h"
+
+namespace stbvh {
+
+namespace {
+
+constexpr std::size_t kSample = 64;
+constexpr std::size_t kChunk = 4096;
+
+/// Consecutive references mostly are of one mesh: its samples of the range are made once.
+class ReferenceMaker {
+ public:
+  ReferenceMaker(const BuildContext& context, const ClosedTimeRange& range)
+      : context_(context), range_(range) {}
+
+  /// False where the reference's mesh is not alive in the range.
+  bool make(const Reference& reference, LinearBounds& bounds) {
+    const BuildMesh& mesh = context_.meshes[reference.mesh];
+    if (mesh.is_static()) {
+      bounds = reference.bounds();
+      return true;
+    }
+    if (!samples_ || mesh_ != reference.mesh) {
+      samples_.emplace(mesh, range_);
+      mesh_ = reference.mesh;
+    }
+    if (samples_->count == 0) return false;
+    const Meshlet& meshlet = context_.meshlets[reference.mesh].meshlets()[reference.meshlet];
+    bounds = motion_bounds(mesh, *samples_, meshlet.used_vertices());
+    return true;
+  }
+
+ private:
+  const BuildContext& context_;
+  ClosedTimeRange range_;
+  std::optional<MotionSamples> samples_;
+  std::uint32_t mesh_ = 0;
+};
+
+/// The mesh of the finest grid, among the references of the sample; of several the one that comes first.
+const BuildMesh* finest_mesh(const BuildContext& context, const ReferenceSet& set, std::size_t stride) {
+  const BuildMesh* finest = nullptr;
+  float most_segments = 0.0f;  // per unit of time
+  for (std::size_t i = 0; i < set.size(); i += stride) {
+    const BuildMesh& mesh = context.meshes[set.references[i].mesh];
+    const float segments = mesh.grid().segments / mesh.grid().length;
+    if (segments < most_segments || (segments == most_segments && &mesh >= finest)) continue;
+    finest = &mesh;
+    most_segments = segments;
+  }
+  return most_segments > 0.0f ? finest : nullptr;
+}
+
+/// Linear bounds of something over a range and over its two halves.
+struct Shrinking {
+  LinearBounds whole = LinearBounds::empty();
+  LinearBounds halves[2] = {LinearBounds::empty(), LinearBounds::empty()};
+
+  bool is_worth_it(const float (&time_shares)[2]) const {
+    const float split = halves[0].centre_area() * time_shares[0] + halves[1].centre_area() * time_shares[1];
+    return split < kTemporalWorth * whole.centre_area();
+  }
+};
+
+}  // namespace
+
+std::optional<TemporalSplit> find_temporal_split(const BuildContext& context, const ReferenceSet& set) {
+  const std::size_t stride = (set.size() + kSample - 1) / kSample;
+  const BuildMesh* mesh = finest_mesh(context, set, stride);
+  if (mesh == nullptr) return std::nullopt;
+  const std::optional<float> boundary = mesh->central_boundary(set.range);
+  if (!boundary) return std::nullopt;
+
+  TemporalSplit split;
+  split.halves[0] = {set.range.begin, std::nextafter(*boundary, -std::numeric_limits<float>::infinity())};
+  split.halves[1] = {*boundary, set.range.last};
+  ReferenceMaker makers[2] = {{context, split.halves[0]}, {context, split.halves[1]}};
+  const float shares[2] = {time_share(split.halves[0], set.range), time_share(split.halves[1], set.range)};
+  std::size_t wanted = 0, count = 0;
+  for (std::size_t i = 0; i < set.size(); i += stride, ++count) {
+    Shrinking one;
+    one.whole = set.references[i].bounds();
+    for (int half = 0; half < 2; ++half) {
+      if (!makers[half].make(set.references[i], one.halves[half])) one.halves[half] = LinearBounds::empty();
+    }
+    wanted += one.is_worth_it(shares);
+  }
+  split.wanted_share = static_cast<float>(wanted) / static_cast<float>(count);
+  return split;
+}
+
+ReferenceSet remake_references(const BuildContext& context, const ReferenceSet& set,
+                               const ClosedTimeRange& range, std::span<Reference> storage) {
+  const std::size_t chunks = (set.size() + kChunk - 1) / kChunk;
+  std::vector<std::size_t> counts(chunks);
+  const auto remake_chunk = [&](std::size_t chunk) {
+    ReferenceMaker maker(context, range);
+    const std::size_t begin = chunk * kChunk;
+    std::size_t out = begin;
+    for (std::size_t i = begin; i < std::min(begin + kChunk, set.size()); ++i) {
+      LinearBounds bounds;
+      const Reference& reference = set.references[i];
+      if (maker.make(reference, bounds))
+        storage[out++] = make_reference(bounds, reference.mesh, reference.meshlet);
+    }
+    counts[chunk] = out - begin;
+  };
+  if (chunks == 1) {
+    remake_chunk(0);
+  } else {
+    tbb::parallel_for(std::size_t{0}, chunks, remake_chunk);
+  }
+  std::size_t total = 0;
+  for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
+    move_down(storage.data() + chunk * kChunk, counts[chunk], storage.data() + total);
+    total += counts[chunk];
+  }
+  ReferenceSet half;
+  half.references = storage.first(total);
+  half.range = range;
+  half.update_bounds();
+  return half;
+}
+
+}  // namespace stbvh
