@@ -33,6 +33,10 @@ std::vector<std::string> structures_that_fit(const std::vector<std::string>& nam
   const std::size_t available = available_memory_bytes();
   std::vector<std::string> fitting;
   for (const std::string& name : names) {
+    if (const std::string why = obstacle(name, scene); !why.empty()) {
+      fmt::print("{} left out: {}.\n", name, why);
+      continue;
+    }
     const bool is_alone = beside.empty() || name == beside;
     const std::size_t needed =
         estimate_peak_bytes(name, scene) + (is_alone ? 0 : estimate_peak_bytes(beside, scene));

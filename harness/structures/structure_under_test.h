@@ -60,8 +60,12 @@ std::string_view structure_description(std::string_view name);
 /// Whether that structure promises the exact answer within rounding: ours do, but for the fast precision.
 bool is_exact(std::string_view name);
 
+/// Why the structure `name` cannot be built over `scene`, as the rest of a sentence; empty if it can.
+std::string obstacle(std::string_view name, const Scene& scene);
+
 /// Builds the structure `name` over `scene`, which must outlive it, with `threads` build threads (0: all).
-/// Throws std::invalid_argument for an unknown name, BuildCancelled where `progress` returned false.
+/// Throws std::invalid_argument for an unknown name, std::runtime_error where there is an obstacle,
+/// BuildCancelled where `progress` returned false.
 std::unique_ptr<StructureUnderTest> build_structure(std::string_view name, const Scene& scene,
                                                     unsigned threads, const BuildProgress& progress = {});
 

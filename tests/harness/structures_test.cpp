@@ -13,10 +13,18 @@
 namespace stbvh::harness {
 namespace {
 
+/// Meshes with unlike steps, and unlike time ranges where the structure takes them.
+Scene scene_for(std::string_view structure, std::size_t triangles_per_mesh = 300) {
+  Scene scene = mixed_step_scene(triangles_per_mesh);
+  if (obstacle(structure, scene).empty()) return scene;
+  for (Mesh& mesh : scene.meshes) mesh.time_range = {};
+  return scene;
+}
+
 class EachStructure : public ::testing::TestWithParam<std::string_view> {};
 
 TEST_P(EachStructure, AgreesWithTheOracle) {
-  const Scene scene = mixed_step_scene();
+  const Scene scene = scene_for(GetParam());
   const auto structure = build_structure(GetParam(), scene, 2);
   const auto reference = build_structure("embree-robust", scene, 2);
   const Oracle oracle(scene);
@@ -33,8 +41,19 @@ TEST_P(EachStructure, AgreesWithTheOracle) {
   }
 }
 
+TEST_P(EachStructure, TakesUnlikeTimeRangesOrSaysWhyNot) {
+  const Scene scene = mixed_step_scene(10);
+  if (const std::string why = obstacle(GetParam(), scene); !why.empty()) {
+    EXPECT_TRUE(GetParam().ends_with("-4v")) << why;
+    EXPECT_THROW(build_structure(GetParam(), scene, 1), std::runtime_error);
+  } else {
+    EXPECT_NO_THROW(build_structure(GetParam(), scene, 1));
+  }
+  EXPECT_EQ(obstacle(GetParam(), scene_for(GetParam())), "");
+}
+
 TEST_P(EachStructure, WeighsItself) {
-  const auto structure = build_structure(GetParam(), mixed_step_scene(2000), 2);
+  const auto structure = build_structure(GetParam(), scene_for(GetParam(), 2000), 2);
   const BuildRecord& record = structure->build_record();
   EXPECT_GT(record.build_s, 0);
   EXPECT_GT(record.structure_bytes, 0u);
