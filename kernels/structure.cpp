@@ -67,9 +67,9 @@ struct RootBounds {
 std::vector<RootBounds> root_bounds(const BinaryNode* root) {
   if (root == nullptr) return {};
   if (root->is_leaf()) return {{root->bounds(), root->range}};
-  const auto [children, count] = wide_children(as_inner(*root));
+  const WideChildren<const BinaryNode> children = wide_children(as_inner(*root));
   std::vector<RootBounds> bounds;
-  for (std::size_t i = 0; i < count; ++i) bounds.push_back({children[i]->bounds(), children[i]->range});
+  for (const BinaryNode* child : children.span()) bounds.push_back({child->bounds(), child->range});
   return bounds;
 }
 

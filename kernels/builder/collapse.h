@@ -5,6 +5,7 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 
 #include "builder/binary_node.h"
 
@@ -23,6 +24,9 @@ template <typename Node>
 struct WideChildren {
   std::array<Node*, kWidth> nodes;
   std::size_t count = 0;
+
+  Node& operator[](std::size_t i) const { return *nodes[i]; }
+  std::span<Node* const> span() const { return {nodes.data(), count}; }
 };
 
 /// Of the wide node made of `node`.

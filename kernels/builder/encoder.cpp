@@ -147,19 +147,19 @@ Encoder::Counts Encoder::measure(BinaryNode& node) const {
     node.units = static_cast<std::uint32_t>(counts.leaf_units);
     return counts;
   }
-  const auto [children, count] = wide_children(as_inner(node));
+  const WideChildren<BinaryNode> children = wide_children(as_inner(node));
   std::array<Counts, kWidth> child_counts;
   const bool parallel = node.subtree_leaves >= kParallelLeaves;
-  for_each_child(parallel, count, [&](std::size_t i) { child_counts[i] = measure(*children[i]); });
-  const LinkKind kind = plan_node(node, {children.data(), count}).kind();
+  for_each_child(parallel, children.count, [&](std::size_t i) { child_counts[i] = measure(children[i]); });
+  const LinkKind kind = plan_node(node, children.span()).kind();
   std::size_t units = node_units(kind);
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < children.count; ++i) {
     counts.add(child_counts[i]);
-    units += children[i]->units;
+    units += children[i].units;
   }
   node.units = static_cast<std::uint32_t>(std::min(units, kMaxUnits + 1));  // more is refused in the end
   ++counts.nodes[static_cast<std::size_t>(kind)];
-  counts.node_children[static_cast<std::size_t>(kind)] += count;
+  counts.node_children[static_cast<std::size_t>(kind)] += children.count;
   ++counts.depth;
   return counts;
 }
@@ -192,18 +192,19 @@ Link Encoder::encode_node(const BinaryNode& node, std::byte* data, std::size_t u
     write_inline_leaf(leaf.mesh, *leaf.meshlet, first, steps, data + unit * kUnitBytes);
     return make_link(LinkKind::kLeaf, unit);
   }
-  auto [children, count] = wide_children(as_inner(node));
-  std::stable_sort(children.begin(), children.begin() + static_cast<std::ptrdiff_t>(count), is_tried_before);
-  NodePlan plan = plan_node(node, {children.data(), count});
+  WideChildren<const BinaryNode> children = wide_children(as_inner(node));
+  std::stable_sort(children.nodes.begin(),
+                   children.nodes.begin() + static_cast<std::ptrdiff_t>(children.count), is_tried_before);
+  NodePlan plan = plan_node(node, children.span());
   const LinkKind kind = plan.kind();
   std::array<std::size_t, kWidth> units;
   std::size_t next = unit + node_units(kind);
-  for (std::size_t i = 0; i < count; ++i) {
+  for (std::size_t i = 0; i < children.count; ++i) {
     units[i] = next;
-    next += children[i]->units;
+    next += children[i].units;
   }
-  for_each_child(node.subtree_leaves >= kParallelLeaves, count,
-                 [&](std::size_t i) { plan.children[i].link = encode_node(*children[i], data, units[i]); });
+  for_each_child(node.subtree_leaves >= kParallelLeaves, children.count,
+                 [&](std::size_t i) { plan.children[i].link = encode_node(children[i], data, units[i]); });
   write_node(plan, data + unit * kUnitBytes);
   return make_link(kind, unit);
 }
