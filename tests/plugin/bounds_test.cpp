@@ -38,6 +38,10 @@ TestMesh soup_with_invalid_triangles(unsigned steps) {
   return mesh;
 }
 
+RTCBounds to_bounds(const Box3f& box) {
+  return {box.lower.x, box.lower.y, box.lower.z, 0, box.upper.x, box.upper.y, box.upper.z, 0};
+}
+
 TEST(PluginBounds, OfASceneOfOneMeshAreEmbrees) {
   // With more steps Embree merges lines fitted to each triangle, of a user geometry it sees the boxes.
   const Device device = new_device();
@@ -75,10 +79,7 @@ TEST(PluginBounds, OfSeveralMeshesContainThemAndAreTight) {
     for (std::size_t step = 0; step < mesh.steps.size(); ++step) {
       for (std::size_t i = 0; i < mesh.vertex_count(); ++i) {
         const Position& p = mesh.steps[step][i];
-        exact.lower = {std::min(exact.lower.x, p.x), std::min(exact.lower.y, p.y),
-                       std::min(exact.lower.z, p.z)};
-        exact.upper = {std::max(exact.upper.x, p.x), std::max(exact.upper.y, p.y),
-                       std::max(exact.upper.z, p.z)};
+        exact.extend(Vec3f{p.x, p.y, p.z});
       }
     }
   }
