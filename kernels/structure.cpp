@@ -9,9 +9,10 @@
 #include <new>
 #include <vector>
 
-#include "builder/builder.h"
+#include "builder/binary_tree.h"
 #include "builder/collapse.h"
-#include "layout/encoder.h"
+#include "builder/encoder.h"
+#include "builder/step_bounds.h"
 #include "layout/node_walk.h"
 #include "traverse/kernel_table.h"
 
@@ -66,15 +67,10 @@ struct RootBounds {
 std::vector<RootBounds> root_bounds(const BinaryNode* root) {
   if (root == nullptr) return {};
   if (root->is_leaf()) return {{root->bounds(), root->range}};
-  std::array<BinaryNode*, kWidth> children;
-  const std::size_t count = wide_children(as_inner(*root), children);
+  const WideChildren<const BinaryNode> children = wide_children(as_inner(*root));
   std::vector<RootBounds> bounds;
-  for (std::size_t i = 0; i < count; ++i) bounds.push_back({children[i]->bounds(), children[i]->range});
+  for (const BinaryNode* child : children.span()) bounds.push_back({child->bounds(), child->range});
   return bounds;
-}
-
-Box3f box(F32x4 lower, F32x4 upper) {
-  return {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}};
 }
 
 class StructureImpl final : public Structure {
@@ -92,15 +88,11 @@ class StructureImpl final : public Structure {
     view_.time_begin = tree.range().begin;
     view_.time_last = tree.range().last;
     view_.root = view_.empty ? 0 : encoder.encode(block_.data());
-    F32x4 lower(std::numeric_limits<float>::infinity());
-    F32x4 upper(-std::numeric_limits<float>::infinity());
-    for (const RootBounds& child : root_bounds_) {
-      lower = min(lower, min(child.bounds.lower_begin, child.bounds.lower_end));
-      upper = max(upper, max(child.bounds.upper_begin, child.bounds.upper_end));
-    }
+    Box4 all = Box4::empty();
+    for (const RootBounds& child : root_bounds_) all.extend(united(child.bounds.begin, child.bounds.end));
     for (int axis = 0; axis < 3; ++axis) {
-      view_.lower[axis] = lower[axis];
-      view_.upper[axis] = upper[axis];
+      view_.lower[axis] = all.lower[axis];
+      view_.upper[axis] = all.upper[axis];
     }
     make_statistics(context, tree, encoder);
   }
@@ -130,26 +122,22 @@ class StructureImpl final : public Structure {
   }
 
   Box3f bounds_at(float time) const override {
-    F32x4 lower(std::numeric_limits<float>::infinity());
-    F32x4 upper(-std::numeric_limits<float>::infinity());
+    Box4 box = Box4::empty();
     for (const RootBounds& child : root_bounds_) {
       if (!(time >= child.range.begin && time <= child.range.last)) continue;
-      const float length = child.range.last - child.range.begin;
+      const float length = child.range.length();
       const float f = length > 0.0f ? (time - child.range.begin) / length : 0.0f;
       const F32x4 f0(1.0f - f), f1(f);
-      const LinearBounds& b = child.bounds;
-      if (b.is_static()) {  // weights that sum up to one would round
-        lower = min(lower, b.lower_begin);
-        upper = max(upper, b.upper_begin);
+      const auto& [begin, end] = child.bounds;
+      if (child.bounds.is_static()) {  // weights that sum up to one would round
+        box.extend(begin);
         continue;
       }
-      const F32x4 largest =
-          max(max(abs(b.lower_begin), abs(b.lower_end)), max(abs(b.upper_begin), abs(b.upper_end)));
+      const F32x4 largest = max(max(abs(begin.lower), abs(end.lower)), max(abs(begin.upper), abs(end.upper)));
       const F32x4 pad = largest * F32x4(0x1p-21f);
-      lower = min(lower, f0 * b.lower_begin + f1 * b.lower_end - pad);
-      upper = max(upper, f0 * b.upper_begin + f1 * b.upper_end + pad);
+      box.extend(Box4{f0 * begin.lower + f1 * end.lower - pad, f0 * begin.upper + f1 * end.upper + pad});
     }
-    return box(lower, upper);
+    return to_box3f(box);
   }
 
   const BuildStatistics& statistics() const override { return statistics_; }
@@ -214,6 +202,9 @@ std::unique_ptr<Structure> Structure::build(std::span<const MeshView> meshes, co
     context.progress.start();
     BinaryTree tree(context);
     tree.build();
+    for (std::size_t i = 0; callbacks.step_bounds && i < meshes.size(); ++i) {
+      callbacks.step_bounds(i, step_bounds(context.meshes[i], context.meshlets[i].meshlets()));
+    }
     const Encoder encoder(context, tree);
     structure = std::make_unique<StructureImpl>(context, callbacks, tree, encoder);
     context.progress.finish();

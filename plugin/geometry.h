@@ -2,26 +2,41 @@
 #pragma once
 
 #include <memory>
+#include <type_traits>
 #include <vector>
 
 #include "plugin/mesh_description.h"
-#include "plugin/published.h"
+#include "plugin/user_geometry.h"
 
 namespace stbvh::plugin {
 
 class TemporaryMemory;
+
+/// The functions of the Embree that this library is linked with, for UserGeometry.
+struct LinkedEmbree {
+  static constexpr auto rtcNewGeometry = ::rtcNewGeometry;
+  static constexpr auto rtcReleaseGeometry = ::rtcReleaseGeometry;
+  static constexpr auto rtcCommitGeometry = ::rtcCommitGeometry;
+  static constexpr auto rtcSetGeometryUserPrimitiveCount = ::rtcSetGeometryUserPrimitiveCount;
+  static constexpr auto rtcSetGeometryUserData = ::rtcSetGeometryUserData;
+  static constexpr auto rtcSetGeometryBoundsFunction = ::rtcSetGeometryBoundsFunction;
+  static constexpr auto rtcSetGeometryIntersectFunction = ::rtcSetGeometryIntersectFunction;
+  static constexpr auto rtcSetGeometryOccludedFunction = ::rtcSetGeometryOccludedFunction;
+  static constexpr auto rtcSetGeometryTimeStepCount = ::rtcSetGeometryTimeStepCount;
+  static constexpr auto rtcSetGeometryTimeRange = ::rtcSetGeometryTimeRange;
+  static constexpr auto rtcSetGeometryMask = ::rtcSetGeometryMask;
+};
+inline LinkedEmbree linked_embree() {
+  return {};
+}
 
 /// Errors are thrown: ApiError, or std::bad_alloc.
 class Geometry {
  public:
   /// Retains `device`, which must not be null.
   explicit Geometry(RTCDevice device);
-  /// Leaves the RTCGeometry empty to whoever still holds it.
-  ~Geometry();
-  Geometry(const Geometry&) = delete;
-  Geometry& operator=(const Geometry&) = delete;
 
-  RTCGeometry rtc_geometry() const { return rtc_geometry_; }
+  RTCGeometry rtc_geometry() const { return user_geometry_.handle(); }
 
   const std::vector<MeshDescription>& meshes() const { return meshes_; }
 
@@ -40,17 +55,17 @@ class Geometry {
  private:
   std::unique_ptr<Published> build(TemporaryMemory& temporary_memory) const;
   BuildCallbacks build_callbacks(TemporaryMemory& temporary_memory) const;
-  void show(const Published& published);
-  void publish(const Published& published);
-  void require_commit();
 
-  RTCDevice device_;
-  RTCGeometry rtc_geometry_ = nullptr;
+  struct ReleaseDevice {
+    void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+  };
+
+  std::unique_ptr<std::remove_pointer_t<RTCDevice>, ReleaseDevice> device_;
+  UserGeometry<linked_embree> user_geometry_;
   std::vector<MeshDescription> meshes_;
   BuildSettings settings_;
   RTCProgressMonitorFunction progress_ = nullptr;
   void* progress_user_ptr_ = nullptr;
-  std::unique_ptr<Published> published_;
 };
 
 }  // namespace stbvh::plugin

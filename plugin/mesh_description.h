@@ -32,8 +32,6 @@ class MeshDescription {
   /// The mesh as the kernels see it; its `steps` are those of this description.
   MeshView view() const;
 
-  std::uint32_t mask() const { return arguments_.mask; }
-
  private:
   StbvhMeshArguments arguments_;
   std::vector<const void*> vertices_;

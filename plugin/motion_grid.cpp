@@ -201,12 +201,7 @@ MotionGrid fit_common_grid(std::span<const MeshMotion> meshes) {
 
 MotionGrid static_grid(std::span<const MeshMotion> meshes) {
   MotionGrid grid{{0.0f, 1.0f}, {Box3f::empty()}};
-  Box3f& box = grid.steps[0];
-  for (const MeshMotion& mesh : meshes) {
-    const auto& [l, u] = mesh.steps[0];
-    box.lower = {std::min(box.lower.x, l.x), std::min(box.lower.y, l.y), std::min(box.lower.z, l.z)};
-    box.upper = {std::max(box.upper.x, u.x), std::max(box.upper.y, u.y), std::max(box.upper.z, u.z)};
-  }
+  for (const MeshMotion& mesh : meshes) grid.steps[0].extend(mesh.steps[0]);
   return grid;
 }
 

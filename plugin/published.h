@@ -1,10 +1,11 @@
 /// What the callbacks of a user geometry see: one immutable snapshot for each commit.
 #pragma once
 
+#include <embree3/rtcore.h>
+
 #include <memory>
 #include <vector>
 
-#include "plugin/mesh_description.h"
 #include "plugin/motion_grid.h"
 #include "stbvh/structure.h"
 
@@ -20,8 +21,9 @@ struct PublishedMesh {
 
 /// The user data of the RTCGeometry points to one of these. Without a structure it is empty and hits nothing.
 struct Published {
-  std::vector<MeshDescription> descriptions;  ///< the views that the structure was built from point in here
   std::vector<PublishedMesh> meshes;
+  unsigned mask =
+      0;  ///< union of the meshes': Embree tests it before it calls, the kernels test each mesh's own
   bool has_intersect_filters = false;
   bool has_occluded_filters = false;
   bool runs_context_filters = true;  ///< those that rays bring with their context
@@ -29,6 +31,13 @@ struct Published {
   void* (*filter_user_ptr)(void* user_ptr) = nullptr;
   MotionGrid grid{{0.0f, 1.0f}, {Box3f::empty()}};
   std::unique_ptr<Structure> structure;
+
+  void add(const PublishedMesh& mesh, unsigned mesh_mask) {
+    meshes.push_back(mesh);
+    mask |= mesh_mask;
+    has_intersect_filters |= mesh.intersect_filter != nullptr;
+    has_occluded_filters |= mesh.occluded_filter != nullptr;
+  }
 };
 
 }  // namespace stbvh::plugin

@@ -1,33 +1,12 @@
-// Includes what traverse_avx2.cpp does, in the same way. No header whose inline functions other sources use
-// at run time: the linker could give them this one's.
+// Includes the traversal as traverse_avx2.cpp does. No header whose inline functions other sources use at run
+// time: the linker could give them this one's.
+#include "simd/f32x8_avx2.h"  // before the traversal, which is then made of it
+
 #include "harness/microbenchmarks/traversal_steps.h"
-
-#include <immintrin.h>
-
-#include <cmath>
-#include <cstdint>
-#include <cstring>
-#include <limits>
-#include <utility>
-
-#include "layout/layout.h"
-#include "stbvh/structure.h"
-#include "traverse/kernel_table.h"
+#include "traverse/traverse.inl"
 
 namespace stbvh::harness {
 namespace {
-// In this order; the blank lines keep clang-format from sorting them.
-#include "simd/f32x8_avx2.h"
-
-#include "traverse/ray_setup.inl"
-
-#include "traverse/leaf_vertices.inl"
-
-#include "traverse/leaf_watertight.inl"
-
-#include "traverse/leaf_fast.inl"
-
-#include "traverse/traverse.inl"
 
 /// The compiler must work these out.
 inline void keep(const F32x8& value) {

@@ -3,7 +3,6 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <string>
@@ -13,10 +12,6 @@
 #include "harness/scenes/cancellation.h"
 
 namespace stbvh::harness {
-
-bool is_valid_position(Vec3f p) {
-  return std::abs(p.x) < kMaxCoordinate && std::abs(p.y) < kMaxCoordinate && std::abs(p.z) < kMaxCoordinate;
-}
 
 namespace {
 

@@ -9,9 +9,6 @@
 
 namespace stbvh::harness {
 
-/// Whether structures take a vertex: its coordinates are finite and below kMaxCoordinate.
-bool is_valid_position(Vec3f p);
-
 /// Takes those triangles, and the vertices that make them so, out of the scene's meshes: all coordinates in
 /// all steps are finite and below kMaxCoordinate then, so that bounds, cameras and what is written are right.
 /// Meshes that lose all of their triangles are gone. Tells `warn` one sentence, which names `file` and the

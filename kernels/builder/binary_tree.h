@@ -1,69 +1,63 @@
-/// The binary tree that the splits make, before it is collapsed into nodes of eight children. Two of its
-/// nodes stand for each leaf until everything is encoded: they are most of what a build needs beside the
-/// structure, and so are kept small.
+/// The top-down builder: from meshes to a binary tree of object and temporal splits.
 #pragma once
 
-#include <array>
-#include <cstdint>
+#include <tbb/enumerable_thread_specific.h>
 
-#include "builder/linear_bounds.h"
-#include "builder/mesh_set.h"
-#include "builder/meshlet.h"
-#include "layout/layout.h"
+#include <atomic>
+
+#include "builder/binary_node.h"
+#include "builder/build_context.h"
+#include "builder/collapse.h"
+#include "builder/reference_set.h"
 
 namespace stbvh {
 
-/// What leaves and inner nodes have in common; which of them it is says is_leaf().
-struct BinaryNode {
-  PackedBounds packed_bounds;
-  ClosedTimeRange range;
-  std::uint32_t subtree_leaves;
-  std::uint32_t units;  ///< of the encoded subtree; filled by the encoder
+struct ObjectSplit;
 
-  bool is_leaf() const { return subtree_leaves == 1; }
-  LinearBounds bounds() const { return packed_bounds.unpacked(); }
-};
-
-/// A meshlet over the time range of its node.
-struct BinaryLeaf : BinaryNode {
-  const Meshlet* meshlet;
-  std::uint32_t mesh;
-  BuildMesh::SegmentRange segments;  ///< {0, 0} and no motion where the mesh is static
-  bool is_indexed;                   ///< set by the encoder
-};
-
-/// How a node shares out slots to its two subtrees; four bits for each number of slots.
-class SlotShares {
+/// The tree and the memory that its nodes live in.
+class BinaryTree {
  public:
-  /// Of `slots`, 2 to 8, the number that children[0] gets where the node is replaced by its children; 0: it
-  /// is better off with one slot less.
-  std::size_t from_left(std::size_t slots) const { return bits_ >> (4 * (slots - 2)) & 7u; }
-  void set_from_left(std::size_t slots, std::size_t count) { set(slots - 2, count); }
-  /// Of the eight children that it has as a node of its own.
-  std::size_t own_from_left() const { return bits_ >> (4 * kOwn) & 7u; }
-  void set_own_from_left(std::size_t count) { set(kOwn, count); }
+  explicit BinaryTree(BuildContext& context);
+
+  /// Splits until every set fits a leaf; how to collapse it is worked out on the way up.
+  void build();
+
+  BinaryNode* root() { return root_; }  ///< null: there is no valid triangle
+  const BinaryNode* root() const { return root_; }
+  ClosedTimeRange range() const { return range_; }
+  std::size_t live_triangles() const { return live_triangles_; }
+  std::size_t invalid_triangles() const { return invalid_triangles_; }
+  std::size_t primitive_segments() const { return primitive_segments_; }
+  std::size_t temporal_splits() const { return temporal_splits_.load(); }
 
  private:
-  static constexpr std::size_t kOwn = kWidth - 1;
-  void set(std::size_t place, std::size_t count) {
-    bits_ |= static_cast<std::uint32_t>(count) << (4 * place);
-  }
+  /// A finished subtree, with what the node above it needs to know.
+  struct Subtree {
+    BinaryNode* node = nullptr;
+    CollapseCosts costs;
+  };
 
-  std::uint32_t bits_ = 0;
+  ReferenceSet make_references(TemporaryArray<Reference>& storage);
+  /// Static meshes and moving ones go to different sides of the root: what stands still is mostly large, and
+  /// would stretch the boxes of what moves.
+  Subtree build_root(ReferenceSet& set);
+  Subtree build_node(ReferenceSet set, std::size_t depth);
+  Subtree build_children(const ClosedTimeRange& range, const ReferenceSet& left_set,
+                         const ReferenceSet& right_set, std::size_t depth);
+  Subtree make_leaf(const ReferenceSet& set);  ///< of one reference
+  Subtree make_inner(const ClosedTimeRange& range, const Subtree& left, const Subtree& right);
+  Subtree split_in_time(const ReferenceSet& set, const ClosedTimeRange (&halves)[2], std::size_t depth);
+  Subtree split_in_space(ReferenceSet& set, std::size_t depth, const ObjectSplit& split);
+
+  BuildContext& context_;
+  tbb::enumerable_thread_specific<Arena> arenas_;
+  BinaryNode* root_ = nullptr;
+  ClosedTimeRange range_{0.0f, 1.0f};
+  double total_work_ = 0;
+  std::size_t live_triangles_ = 0;
+  std::size_t invalid_triangles_ = 0;
+  std::size_t primitive_segments_ = 0;
+  std::atomic<std::size_t> temporal_splits_{0};
 };
-
-struct BinaryInner : BinaryNode {
-  BinaryNode* children[2];
-  SlotShares shares;
-};
-
-static_assert(sizeof(BinaryLeaf) == 88 && sizeof(BinaryInner) == 88);
-
-inline const BinaryLeaf& as_leaf(const BinaryNode& node) {
-  return static_cast<const BinaryLeaf&>(node);
-}
-inline const BinaryInner& as_inner(const BinaryNode& node) {
-  return static_cast<const BinaryInner&>(node);
-}
 
 }  // namespace stbvh

@@ -41,27 +41,36 @@ CollapseCosts share_slots(BinaryInner& node, const CollapseCosts& left, const Co
 namespace {
 
 /// Appends the subtrees that `node` becomes as at most `slots` children.
-std::size_t append(BinaryNode* node, std::size_t slots, std::array<BinaryNode*, kWidth>& children,
-                   std::size_t count) {
-  if (!node->is_leaf()) {
-    const BinaryInner& inner = as_inner(*node);
+template <typename Node>
+void append(Node& node, std::size_t slots, WideChildren<Node>& children) {
+  if (!node.is_leaf()) {
+    auto& inner = as_inner(node);
     while (slots > 1 && inner.shares.from_left(slots) == 0) --slots;
     if (slots > 1) {
       const std::size_t left = inner.shares.from_left(slots);
-      count = append(inner.children[0], left, children, count);
-      return append(inner.children[1], slots - left, children, count);
+      append(inner.child(0), left, children);
+      return append(inner.child(1), slots - left, children);
     }
   }
-  children[count] = node;
-  return count + 1;
+  children.nodes[children.count++] = &node;
+}
+
+template <typename Node, typename Inner>
+WideChildren<Node> children_of(Inner& node) {
+  WideChildren<Node> children;
+  const std::size_t left = node.shares.own_from_left();
+  append<Node>(node.child(0), left, children);
+  append<Node>(node.child(1), kWidth - left, children);
+  return children;
 }
 
 }  // namespace
 
-std::size_t wide_children(const BinaryInner& node, std::array<BinaryNode*, kWidth>& children) {
-  const std::size_t left = node.shares.own_from_left();
-  const std::size_t count = append(node.children[0], left, children, 0);
-  return append(node.children[1], kWidth - left, children, count);
+WideChildren<BinaryNode> wide_children(BinaryInner& node) {
+  return children_of<BinaryNode>(node);
+}
+WideChildren<const BinaryNode> wide_children(const BinaryInner& node) {
+  return children_of<const BinaryNode>(node);
 }
 
 }  // namespace stbvh

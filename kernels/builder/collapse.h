@@ -3,7 +3,11 @@
 /// with the probabilities of the MBSAH).
 #pragma once
 
-#include "builder/binary_tree.h"
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "builder/binary_node.h"
 
 namespace stbvh {
 
@@ -15,8 +19,18 @@ CollapseCosts leaf_costs(const BinaryLeaf& leaf);
 /// Fills `shares` of a node whose children have these costs, and returns its own.
 CollapseCosts share_slots(BinaryInner& node, const CollapseCosts& left, const CollapseCosts& right);
 
-/// The subtrees that become the children of the wide node made of `node`, two to eight, in the tree's order;
-/// returns how many.
-std::size_t wide_children(const BinaryInner& node, std::array<BinaryNode*, kWidth>& children);
+/// The subtrees that become the children of a wide node, two to eight, in the tree's order.
+template <typename Node>
+struct WideChildren {
+  std::array<Node*, kWidth> nodes;
+  std::size_t count = 0;
+
+  Node& operator[](std::size_t i) const { return *nodes[i]; }
+  std::span<Node* const> span() const { return {nodes.data(), count}; }
+};
+
+/// Of the wide node made of `node`.
+WideChildren<BinaryNode> wide_children(BinaryInner& node);
+WideChildren<const BinaryNode> wide_children(const BinaryInner& node);
 
 }  // namespace stbvh

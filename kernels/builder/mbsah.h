@@ -6,8 +6,8 @@
 /// a temporal split then pays only where it shrinks boxes.
 #pragma once
 
-#include "builder/linear_bounds.h"
-#include "builder/mesh_set.h"
+#include "layout/closed_time_range.h"
+#include "layout/linear_bounds.h"
 
 namespace stbvh {
 
@@ -34,13 +34,12 @@ inline constexpr float kOrphanWeight = 0.5f;
 
 /// Share of `whole` that `part` takes in time.
 inline float time_share(const ClosedTimeRange& part, const ClosedTimeRange& whole) {
-  const float length = whole.last - whole.begin;
-  return length > 0.0f ? (part.last - part.begin) / length : 1.0f;
+  return whole.length() > 0.0f ? part.length() / whole.length() : 1.0f;
 }
 
 /// SA'(bounds) * T(range): proportional to the probability that a random ray meets them.
 inline float expected_area(const LinearBounds& bounds, const ClosedTimeRange& range) {
-  return bounds.centre_area() * (range.last - range.begin);
+  return bounds.centre_area() * range.length();
 }
 
 }  // namespace stbvh

@@ -6,9 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numeric>
-
-#include "builder/mbsah.h"
 
 namespace stbvh {
 
@@ -19,8 +16,8 @@ constexpr std::size_t kParallelReferences = 32768;
 /// Maps centroids to bins, the same way for binning and for partitioning.
 class Binning {
  public:
-  explicit Binning(const ReferenceSet& set) : lower_(set.centroid4_lower) {
-    const F32x4 extent = set.centroid4_upper - set.centroid4_lower;
+  explicit Binning(const ReferenceSet& set) : lower_(set.centroids4.lower) {
+    const F32x4 extent = set.centroids4.upper - set.centroids4.lower;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const float e = extent[static_cast<int>(axis)];
       // Just below the number of bins, so that the largest centroid falls into the last one.
@@ -184,37 +181,6 @@ std::size_t partition_references(ReferenceSet& set, const ObjectSplit& split) {
 }
 
 }  // namespace
-
-void ReferenceSet::update_bounds() {
-  using Range = tbb::blocked_range<std::size_t>;
-  if (size() < kParallelReferences) {
-    for (const Reference& reference : references) extend(reference);
-    return;
-  }
-  *this = tbb::parallel_reduce(
-      Range(0, size(), kParallelReferences / 4), *this,
-      [&](const Range& part, ReferenceSet set) {
-        for (const Reference& reference : references.subspan(part.begin(), part.size()))
-          set.extend(reference);
-        return set;
-      },
-      [](ReferenceSet a, const ReferenceSet& b) {
-        a.bounds.extend(b.bounds);
-        a.centroid4_lower = min(a.centroid4_lower, b.centroid4_lower);
-        a.centroid4_upper = max(a.centroid4_upper, b.centroid4_upper);
-        return a;
-      });
-}
-
-std::pair<ReferenceSet, ReferenceSet> ReferenceSet::split_at(std::size_t count) const {
-  ReferenceSet left, right;
-  left.references = references.first(count);
-  right.references = references.subspan(count);
-  left.range = right.range = range;
-  left.update_bounds();
-  right.update_bounds();
-  return {left, right};
-}
 
 ObjectSplit find_object_split(const ReferenceSet& set) {
   return set.size() <= kSweepLimit ? find_swept_split(set) : find_binned_split(set);

@@ -1,6 +1,10 @@
 /// Object splits: the best of 32 bins in each of three axes (an exact sweep for small sets).
 #pragma once
 
+#include <cstddef>
+#include <limits>
+#include <utility>
+
 #include "builder/reference_set.h"
 
 namespace stbvh {

@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <vector>
 
 #include "builder/mbsah.h"
-#include "layout/layout.h"
+#include "builder/motion_bounds.h"
 
 namespace stbvh {
 
@@ -121,7 +123,8 @@ ReferenceSet remake_references(const BuildContext& context, const ReferenceSet& 
   }
   std::size_t total = 0;
   for (std::size_t chunk = 0; chunk < chunks; ++chunk) {
-    move_down(storage.data() + chunk * kChunk, counts[chunk], storage.data() + total);
+    std::memmove(static_cast<void*>(storage.data() + total), storage.data() + chunk * kChunk,
+                 counts[chunk] * sizeof(Reference));
     total += counts[chunk];
   }
   ReferenceSet half;

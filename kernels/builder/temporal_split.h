@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 
 #include "builder/build_context.h"
 #include "builder/reference_set.h"

@@ -16,6 +16,7 @@ namespace stbvh {
 inline constexpr std::size_t kWidth = 8;            ///< children of a node, triangles and vertices of a leaf
 inline constexpr std::size_t kUnitBytes = 32;       ///< granularity of links
 inline constexpr std::size_t kMaxUnits = 1u << 30;  ///< 32 GiB
+inline constexpr std::size_t kMaxLevels = 90;       ///< nodes above a leaf: what the traversal's stacks hold
 
 enum class LinkKind : std::uint32_t { kStaticNode = 0, kLinearNode = 1, kSpatialTemporalNode = 2, kLeaf = 3 };
 

@@ -1,7 +1,5 @@
 #include "layout/node_walk.h"
 
-#include <algorithm>
-
 namespace stbvh {
 namespace {
 
@@ -48,13 +46,6 @@ void for_each_child(LinkKind kind, const std::byte* data, const TreeNode& parent
   }
 }
 
-void extend(Box3f& box, const Box3f& other) {
-  box.lower = {std::min(box.lower.x, other.lower.x), std::min(box.lower.y, other.lower.y),
-               std::min(box.lower.z, other.lower.z)};
-  box.upper = {std::max(box.upper.x, other.upper.x), std::max(box.upper.y, other.upper.y),
-               std::max(box.upper.z, other.upper.z)};
-}
-
 class Walk {
  public:
   Walk(const StructureView& structure, NodeVisitor& visitor) : structure_(structure), visitor_(visitor) {}
@@ -66,8 +57,8 @@ class Walk {
     node.kind = static_cast<NodeKind>(kind);
     if (node.level == 0) {  // no node keeps its box: those of its children are what there is
       for_each_child(kind, data, node, [&](Link, const TreeNode& child) {
-        extend(node.box.at_begin, child.box.at(child.time_range.begin));
-        extend(node.box.at_begin, child.box.at(child.time_range.end));
+        node.box.at_begin.extend(child.box.at(child.time_range.begin));
+        node.box.at_begin.extend(child.box.at(child.time_range.end));
       });
     }
     if (!visitor_.enter(node)) return;

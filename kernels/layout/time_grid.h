@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 namespace stbvh {
 
@@ -12,6 +13,13 @@ struct TimeGrid {
   float length;    ///< end - begin, rounded once
   float segments;  ///< number of segments as a float; 0: static
 };
+
+/// A denormal time counts as 0: with flush-to-zero it does in any comparison, on the threads that have it
+/// set.
+static inline float normal_time(float time) {
+  constexpr float kLeast = std::numeric_limits<float>::min();
+  return time > -kLeast && time < kLeast ? 0.0f : time;
+}
 
 struct SegmentTime {
   std::uint32_t segment;

@@ -1,5 +1,15 @@
-/// Eight floats and eight flags, AVX2 and FMA. Include inside a namespace of its own per instruction set.
-// No include guard on purpose: included once by each traversal source (<immintrin.h> comes first there).
+/// Eight floats and eight flags, AVX2 and FMA. Internal linkage: what is compiled for one instruction set
+/// must not be linked into what is compiled for another.
+#pragma once
+
+#define STBVH_F32X8
+
+#include <immintrin.h>
+
+#include <cstdint>
+
+namespace stbvh {
+namespace {
 
 struct F32x8 {
   __m256 v;
@@ -71,3 +81,6 @@ inline Slots8 load_slots(const std::uint8_t* p) {
 inline F32x8 permute(F32x8 a, Slots8 slots) {
   return {_mm256_permutevar8x32_ps(a.v, slots.v)};
 }
+
+}  // namespace
+}  // namespace stbvh

@@ -1,6 +1,14 @@
-/// Eight floats and eight flags in plain C++: the twin of the vector versions, operation for operation.
-/// Include inside a namespace of its own per instruction set.
-// No include guard on purpose, as in the vector versions.
+/// Eight floats and eight flags in plain C++: the twin of the vector versions, operation for operation, and
+/// as they of internal linkage.
+#pragma once
+
+#define STBVH_F32X8
+
+#include <cmath>
+#include <cstdint>
+
+namespace stbvh {
+namespace {
 
 struct F32x8 {
   float v[8];
@@ -79,3 +87,6 @@ inline Slots8 load_slots(const std::uint8_t* p) {
 inline F32x8 permute(const F32x8& a, const Slots8& slots) {
   return each_lane([&](int i) { return a.v[slots.v[i]]; });
 }
+
+}  // namespace
+}  // namespace stbvh

@@ -1,7 +1,14 @@
-// Ray against a leaf as renderers commonly do it: Moeller and Trumbore (1997), in float, eight triangles at
-// once. Part of the traversal sources. What it costs and saves: `stbvh-ab pareto`.
+/// Ray against a leaf as renderers commonly do it: Moeller and Trumbore (1997), in float, eight triangles at
+/// once. What it costs and saves: `stbvh-ab pareto`.
+#pragma once
 
-struct FastTest {
+#include "traverse/leaf_vertices.inl"
+#include "traverse/slabs.inl"
+
+namespace stbvh {
+namespace {
+
+struct FastTest : UnpaddedSlabs {
   static constexpr bool kFindDecides = true;  ///< find() returns hits, not candidates
 
   struct Candidates {
@@ -9,17 +16,6 @@ struct FastTest {
     alignas(32) float normal[3][kWidth];
     bool is_certain = false;  ///< there is one: each is a hit
   };
-
-  static void set_slabs(Axes origin, Axes, Axes inverse, Axes, TraversalRay& r) {
-    splat_axes(r.inverse, inverse);
-    // Finite: where it were not, empty slots of nodes would be met.
-    const Axes shift = _mm_mul_ps(_mm_xor_ps(_mm_set1_ps(-0.0f), origin), inverse);
-    const Axes most = _mm_set1_ps(kLargest);
-    splat_axes(r.near_origin, _mm_max_ps(_mm_min_ps(shift, most), _mm_set1_ps(-kLargest)));
-    for (int i = 0; i < 3; ++i) r.far_origin[i] = r.near_origin[i];
-  }
-
-  static F32x8 slab(F32x8 plane, F32x8 shift, F32x8 inverse) { return multiply_add(plane, inverse, shift); }
 
   static LeafVertices interpolated(const TraversalRay& ray, const StepVertices& v0, const StepVertices& v1,
                                    float f) {
@@ -96,3 +92,6 @@ struct FastTest {
     return {c.normal[0][i], c.normal[1][i], c.normal[2][i]};
   }
 };
+
+}  // namespace
+}  // namespace stbvh

@@ -1,4 +1,14 @@
-// The vertices of a leaf at the time of a ray. Part of the traversal sources.
+/// The vertices of a leaf at the time of a ray.
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+
+#include "layout/layout.h"
+#include "traverse/ray_setup.inl"
+
+namespace stbvh {
+namespace {
 
 /// Vertices of a leaf relative to the ray's origin at the ray's time; each test has its own order of axes.
 struct LeafVertices {
@@ -47,3 +57,6 @@ inline LeafVertices load_leaf(const TraversalRay& ray, const LeafHeader& leaf, c
   if (motion.begin == motion.end) return Test::at_rest(ray, *motion.begin);
   return Test::interpolated(ray, *motion.begin, *motion.end, motion.fraction);
 }
+
+}  // namespace
+}  // namespace stbvh

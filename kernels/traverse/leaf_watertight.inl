@@ -1,14 +1,23 @@
-// Ray against a leaf of up to eight triangles over up to eight vertices, watertight. Part of the traversal
-// sources.
-//
-// The test of Woop, Benthin and Wald (JCGT 2013), split in two. For all eight triangles at once, in float and
-// without fma: a product rounded to float is monotone, so a difference of two products has the right sign or
-// is zero, and a triangle whose edge functions have both signs is missed for certain. What is left over is
-// decided in double, where the products are exact, and the difference of two keeps its sign: edge functions
-// of the two triangles of an edge are exactly opposite. Both see the same vertices: interpolated once for
-// each vertex, always alike.
+/// Ray against a leaf of up to eight triangles over up to eight vertices, watertight.
+///
+/// The test of Woop, Benthin and Wald (JCGT 2013), split in two. For all eight triangles at once, in float
+/// and without fma: a product rounded to float is monotone, so a difference of two products has the right
+/// sign or is zero, and a triangle whose edge functions have both signs is missed for certain. What is left
+/// over is decided in double, where the products are exact, and the difference of two keeps its sign: edge
+/// functions of the two triangles of an edge are exactly opposite. Both see the same vertices: interpolated
+/// once for each vertex, always alike.
+#pragma once
 
-struct WatertightTest {
+#include <cmath>
+#include <limits>
+
+#include "traverse/leaf_vertices.inl"
+#include "traverse/slabs.inl"
+
+namespace stbvh {
+namespace {
+
+struct WatertightTest : PaddedSlabs {
   static constexpr bool kFindDecides = false;
 
   /// Candidates of one leaf, in memory for the scalar part.
@@ -17,27 +26,6 @@ struct WatertightTest {
     alignas(32) float axis[3][kWidth];       ///< relative to the origin, order (kx, ky, kz)
     bool is_certain = false;  ///< one of them is hit within the ray's range, whatever is rounded
   };
-
-  // Boxes -------------------------------------------------------------------------------------------------
-
-  /// How far the triangle test may see a vertex from where it is: its translation, interpolation and shear
-  /// round by up to 8 * 2^-24 of the distance of the vertex, the slab distances by 3 more (docs/accuracy.md).
-  /// The second term survives the rounding of the sum with the origin.
-  static Axes slack(Axes origin, Axes distance) {
-    const Axes size = _mm_andnot_ps(_mm_set1_ps(-0.0f), origin);
-    return _mm_add_ps(_mm_mul_ps(_mm_set1_ps(0x1p-20f), distance), _mm_mul_ps(_mm_set1_ps(0x1p-22f), size));
-  }
-
-  /// The near planes move towards the ray's origin by the slack, the far planes away from it.
-  static void set_slabs(Axes origin, Axes direction, Axes inverse, Axes distance, TraversalRay& r) {
-    const Axes sign = _mm_and_ps(_mm_set1_ps(-0.0f), direction);
-    const Axes backwards = _mm_or_ps(sign, slack(origin, distance));
-    splat_axes(r.inverse, inverse);
-    splat_axes(r.near_origin, _mm_add_ps(origin, backwards));
-    splat_axes(r.far_origin, _mm_sub_ps(origin, backwards));
-  }
-
-  static F32x8 slab(F32x8 plane, F32x8 origin, F32x8 inverse) { return (plane - origin) * inverse; }
 
   // Vertices, axes in the order (kx, ky, kz) ---------------------------------------------------------------
 
@@ -261,3 +249,6 @@ struct WatertightTest {
     return {e1[1] * e2[2] - e1[2] * e2[1], e1[2] * e2[0] - e1[0] * e2[2], e1[0] * e2[1] - e1[1] * e2[0]};
   }
 };
+
+}  // namespace
+}  // namespace stbvh

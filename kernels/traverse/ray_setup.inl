@@ -1,4 +1,19 @@
-// What a traversal precomputes for a ray. Part of the traversal sources; see traverse_scalar.cpp.
+/// What a traversal precomputes for a ray.
+#pragma once
+
+#include <xmmintrin.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "layout/layout.h"
+#include "simd/f32x8.h"
+#include "stbvh/structure.h"
+
+namespace stbvh {
+namespace {
 
 /// Where a node keeps its near and far planes of each axis for rays of one octant: bytes from its start.
 struct PlaneOffsets {
@@ -96,6 +111,11 @@ inline void set_certain_range(TraversalRay& r, float distance) {
   r.sign_z = std::copysign(1.0f, static_cast<float>(r.direction_z));
 }
 
+// Four floats are read from the start of each vector: the one behind it carries nothing, but must be the
+// ray's.
+static_assert(offsetof(Ray, tnear) == offsetof(Ray, origin) + sizeof(Vec3f) &&
+              offsetof(Ray, time) == offsetof(Ray, direction) + sizeof(Vec3f));
+
 /// False for a ray that hits nothing: not finite, of zero direction, or at a time outside the structure's.
 template <typename Test>
 inline bool setup_ray(const StructureView& structure, const Ray& ray, TraversalRay& r) {
@@ -149,3 +169,6 @@ inline bool setup_ray(const StructureView& structure, const Ray& ray, TraversalR
   set_certain_range(r, _mm_cvtss_f32(distance));
   return true;
 }
+
+}  // namespace
+}  // namespace stbvh

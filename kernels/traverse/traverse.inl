@@ -1,8 +1,17 @@
-// The traversal: closest hit and any hit, with and without filter and counters. Part of the traversal
-// sources.
+/// The traversal: closest hit and any hit, with and without filter and counters. `Test` is how rays are
+/// tested against boxes and triangles: WatertightTest or FastTest.
+#pragma once
 
-/// The builder keeps trees below this many levels.
-constexpr std::size_t kMaxLevels = 90;
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+#include "traverse/kernel_table.h"
+#include "traverse/leaf_fast.inl"
+#include "traverse/leaf_watertight.inl"
+
+namespace stbvh {
+namespace {
 
 /// A child that the closest hit may lie in.
 struct StackEntry {
@@ -273,3 +282,6 @@ constexpr KernelTable make_kernel_table() {
       },
   };
 }
+
+}  // namespace
+}  // namespace stbvh

@@ -1,30 +1,8 @@
-#include <xmmintrin.h>
-
-#include <cmath>
-#include <cstdint>
-#include <cstring>
-#include <limits>
-#include <utility>
-
-#include "layout/layout.h"
-#include "stbvh/structure.h"
-#include "traverse/kernel_table.h"
-
-namespace stbvh {
-namespace {
-// In this order; the blank lines keep clang-format from sorting them.
-#include "simd/f32x8_scalar.h"
-
-#include "traverse/ray_setup.inl"
-
-#include "traverse/leaf_vertices.inl"
-
-#include "traverse/leaf_watertight.inl"
-
-#include "traverse/leaf_fast.inl"
+#include "simd/f32x8_scalar.h"  // before the traversal, which is then made of it
 
 #include "traverse/traverse.inl"
-}  // namespace
+
+namespace stbvh {
 
 const KernelTables kScalarKernels = {make_kernel_table<WatertightTest>(), make_kernel_table<FastTest>()};
 

@@ -4,21 +4,13 @@
 #include <chrono>
 #include <new>
 
-#include "plugin/callbacks.h"
 #include "plugin/preload/real_embree.h"
 #include "plugin/preload/statistics.h"
 
 namespace stbvh::preload {
 namespace {
 
-using plugin::MeshDescription;
 using plugin::Published;
-
-/// What a user geometry shows without a group. Never freed: Embree may keep it longer than anything else.
-const Published& empty_published() {
-  static const Published* const kEmpty = new Published;
-  return *kEmpty;
-}
 
 constexpr std::align_val_t kAlignment{64};
 
@@ -66,36 +58,12 @@ void counting_occluded(const RTCOccludedFunctionNArguments* arguments) {
   plugin::occluded_callback(arguments);
 }
 
-MeshDescription description_of(const Member& member) {
-  const TrackedGeometry& mesh = *member.mesh;
-  std::vector<const void*> vertices;
-  std::vector<std::size_t> strides;
-  for (unsigned step = 0; step < mesh.step_count; ++step) {
-    vertices.push_back(mesh.vertices[step].data);
-    strides.push_back(mesh.vertices[step].stride);
-  }
-  StbvhMeshArguments arguments;
-  stbvhInitMeshArguments(&arguments);
-  arguments.indices = mesh.indices.data;
-  arguments.indexByteStride = mesh.indices.stride;
-  arguments.triangleCount = mesh.indices.count;
-  arguments.vertices = vertices.data();
-  arguments.vertexByteStrides = strides.data();
-  arguments.vertexCount = mesh.vertices[0].count;
-  arguments.stepCount = mesh.step_count;
-  arguments.startTime = mesh.time_range.begin;
-  arguments.endTime = mesh.time_range.end;
-  arguments.mask = mesh.mask;
-  arguments.geomID = member.geom_id;
-  return MeshDescription(arguments);
-}
-
 /// Two steps over [0, 1], or one if nothing moves.
 plugin::MotionGrid grid_of(const std::vector<MeshView>& views) {
   LinearBox bounds;
   bool moves = false;
   for (const MeshView& view : views) {
-    bounds.include(linear_bounds_of(view));
+    bounds.extend(linear_bounds_of(view));
     moves |= view.steps.size() > 1;
   }
   if (moves) return {{0.0f, 1.0f}, {bounds.begin, bounds.end}};
@@ -106,61 +74,34 @@ std::unique_ptr<Published> publication(const std::vector<Member>& members, const
   auto published = std::make_unique<Published>();
   published->runs_context_filters = settings.runs_context_filters;
   published->filter_user_ptr = counts_statistics() ? counting_user_data_of : user_data_of;
-  for (const Member& member : members) {
-    const TrackedGeometry& mesh = *member.mesh;
-    published->descriptions.push_back(description_of(member));
-    published->meshes.push_back({member.geom_id, mesh.handle, mesh.intersect_filter, mesh.occluded_filter});
-    published->has_intersect_filters |= mesh.intersect_filter != nullptr;
-    published->has_occluded_filters |= mesh.occluded_filter != nullptr;
+  for (const auto& [geom_id, mesh, version] : members) {
+    published->add({geom_id, mesh->handle, mesh->intersect_filter, mesh->occluded_filter}, mesh->mask);
   }
   return published;
-}
-
-unsigned union_of_masks(const Published& published) {
-  unsigned mask = 0;
-  for (const MeshDescription& mesh : published.descriptions) mask |= mesh.mask();
-  return mask;
 }
 
 }  // namespace
 
 Group::Group(std::shared_ptr<TrackedDevice> device)
-    : device_(std::move(device)), proxy_(real().rtcNewGeometry(device_->handle(), RTC_GEOMETRY_TYPE_USER)) {
-  if (proxy_ == nullptr) throw std::bad_alloc();
-  real().rtcSetGeometryUserPrimitiveCount(proxy_, 1);
-  real().rtcSetGeometryBoundsFunction(proxy_, plugin::bounds_callback, nullptr);
-  const bool counts = counts_statistics();
-  real().rtcSetGeometryIntersectFunction(proxy_, counts ? counting_intersect : plugin::intersect_callback);
-  real().rtcSetGeometryOccludedFunction(proxy_, counts ? counting_occluded : plugin::occluded_callback);
-  publish(empty_published());
-}
-
-Group::~Group() {
-  real().rtcSetGeometryUserData(proxy_, const_cast<Published*>(&empty_published()));
-  real().rtcReleaseGeometry(proxy_);
-}
-
-/// Makes `published` what the callbacks see, and what Embree knows of it.
-void Group::publish(const Published& published) {
-  // Embree's user data is not const; the callbacks only read it.
-  real().rtcSetGeometryUserData(proxy_, const_cast<Published*>(&published));
-  real().rtcSetGeometryTimeStepCount(proxy_, static_cast<unsigned>(published.grid.steps.size()));
-  real().rtcSetGeometryMask(proxy_, union_of_masks(published));
-  real().rtcCommitGeometry(proxy_);
+    : device_(std::move(device)),
+      user_geometry_(device_->handle(), counts_statistics() ? counting_intersect : plugin::intersect_callback,
+                     counts_statistics() ? counting_occluded : plugin::occluded_callback) {
+  user_geometry_.publish(nullptr);
 }
 
 void Group::clear() {
-  publish(empty_published());
-  published_.reset();
+  user_geometry_.publish(nullptr);
   members_.clear();
 }
 
 void Group::set_enabled(bool value) {
-  value ? real().rtcEnableGeometry(proxy_) : real().rtcDisableGeometry(proxy_);
+  value ? real().rtcEnableGeometry(proxy()) : real().rtcDisableGeometry(proxy());
 }
 
 bool Group::is_built_of(const std::vector<Member>& members, const GroupSettings& settings) const {
-  if (published_ == nullptr || !(settings == settings_) || members.size() != members_.size()) return false;
+  const bool may_be =
+      user_geometry_.published() != nullptr && settings == settings_ && members.size() == members_.size();
+  if (!may_be) return false;
   for (std::size_t i = 0; i < members.size(); ++i) {
     // Versions are unique, so they tell meshes apart too.
     const bool same = members[i].geom_id == members_[i].geom_id && members[i].version == members_[i].version;
@@ -188,8 +129,9 @@ void Group::build(std::vector<Member> members, const GroupSettings& settings,
   clear();
   const auto start = std::chrono::steady_clock::now();
   auto published = publication(members, settings);
+  std::vector<std::vector<VertexBufferView>> steps(members.size());
   std::vector<MeshView> views;
-  for (const MeshDescription& mesh : published->descriptions) views.push_back(mesh.view());
+  for (std::size_t i = 0; i < members.size(); ++i) views.push_back(members[i].mesh->view(steps[i]));
   bool refused = false;
   try {
     published->structure = Structure::build(views, settings.build, callbacks(progress, refused));
@@ -198,12 +140,11 @@ void Group::build(std::vector<Member> members, const GroupSettings& settings,
     throw;
   }
   published->grid = grid_of(views);
-  published_ = std::move(published);
   members_ = std::move(members);
   settings_ = settings;
-  publish(*published_);
+  user_geometry_.publish(std::move(published));
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  count_build(published_->structure->statistics(), seconds.count());
+  count_build(statistics(), seconds.count());
 }
 
 }  // namespace stbvh::preload

@@ -6,9 +6,10 @@
 #include <vector>
 
 #include "plugin/preload/linear_scene_bounds.h"
+#include "plugin/preload/real_embree.h"
 #include "plugin/preload/tracked_device.h"
 #include "plugin/preload/tracked_geometry.h"
-#include "plugin/published.h"
+#include "plugin/user_geometry.h"
 
 namespace stbvh::preload {
 
@@ -33,17 +34,13 @@ class Group {
  public:
   /// Throws std::bad_alloc if Embree gives no geometry.
   explicit Group(std::shared_ptr<TrackedDevice> device);
-  /// The user geometry may outlive it, and hits nothing then.
-  ~Group();
-  Group(const Group&) = delete;
-  Group& operator=(const Group&) = delete;
 
   /// The user geometry to attach.
-  RTCGeometry proxy() const { return proxy_; }
+  RTCGeometry proxy() const { return user_geometry_.handle(); }
 
   /// Builds anew, after the old structure is freed, and commits the user geometry. `progress` is given the
   /// fraction done and returns false to cancel. On an exception (BuildCancelled, std::bad_alloc,
-  /// std::length_error, InvalidMesh, ApiError) the group is empty.
+  /// std::length_error, InvalidMesh) the group is empty.
   void build(std::vector<Member> members, const GroupSettings& settings,
              const std::function<bool(double)>& progress);
 
@@ -56,17 +53,15 @@ class Group {
   bool is_built_of(const std::vector<Member>& members, const GroupSettings& settings) const;
 
   /// Of the structure; it must not be empty.
-  const BuildStatistics& statistics() const { return published_->structure->statistics(); }
+  const BuildStatistics& statistics() const { return user_geometry_.published()->structure->statistics(); }
 
  private:
   BuildCallbacks callbacks(const std::function<bool(double)>& progress, bool& refused) const;
-  void publish(const plugin::Published& published);
 
   std::shared_ptr<TrackedDevice> device_;
-  RTCGeometry proxy_;
+  plugin::UserGeometry<real> user_geometry_;
   std::vector<Member> members_;
   GroupSettings settings_;
-  std::unique_ptr<plugin::Published> published_;
 };
 
 }  // namespace stbvh::preload

@@ -6,18 +6,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <vector>
 
 namespace stbvh::preload {
 namespace {
 
 constexpr std::size_t kGrain = 1 << 12;
-
-Box3f merged(const Box3f& a, const Box3f& b) {
-  return {{std::min(a.lower.x, b.lower.x), std::min(a.lower.y, b.lower.y), std::min(a.lower.z, b.lower.z)},
-          {std::max(a.upper.x, b.upper.x), std::max(a.upper.y, b.upper.y), std::max(a.upper.z, b.upper.z)}};
-}
 
 float lerp(float a, float b, float f) {
   return (1.0f - f) * a + f * b;
@@ -92,20 +86,14 @@ class ShutterSteps {
 
 /// Box of a triangle at each step; false if it is not valid.
 bool boxes_of(const MeshView& mesh, std::size_t triangle, Box3f* boxes) {
-  std::array<std::uint32_t, 3> indices;
-  std::memcpy(indices.data(), static_cast<const char*>(mesh.indices) + triangle * mesh.index_stride,
-              sizeof(indices));
+  const TriangleIndices indices = mesh.triangle(triangle);
   for (std::size_t step = 0; step < mesh.steps.size(); ++step) {
-    const VertexBufferView& buffer = mesh.steps[step];
     Box3f box = Box3f::empty();
     for (const std::uint32_t index : indices) {
-      if (index >= buffer.count) return false;
-      Vec3f p;
-      std::memcpy(&p, static_cast<const char*>(buffer.data) + index * buffer.stride, sizeof(p));
-      const bool finite = std::fabs(p.x) < kMaxCoordinate && std::fabs(p.y) < kMaxCoordinate &&
-                          std::fabs(p.z) < kMaxCoordinate;
-      if (!finite) return false;
-      box = merged(box, {p, p});
+      if (index >= mesh.steps[step].count) return false;
+      const Vec3f p = mesh.steps[step].position(index);
+      if (!is_valid_position(p)) return false;
+      box.extend(p);
     }
     boxes[step] = box;
   }
@@ -117,23 +105,23 @@ LinearBox bounds_of_range(const MeshView& mesh, std::size_t begin, std::size_t e
   LinearBox result;
   if (mesh.steps.size() == 1) {
     for (std::size_t i = begin; i != end; ++i) {
-      if (boxes_of(mesh, i, boxes.data())) result.include({boxes[0], boxes[0]});
+      if (boxes_of(mesh, i, boxes.data())) result.extend({boxes[0], boxes[0]});
     }
     return result;
   }
   const ShutterSteps steps(mesh);
   if (!steps.meets()) return result;
   for (std::size_t i = begin; i != end; ++i) {
-    if (boxes_of(mesh, i, boxes.data())) result.include(steps.fit(boxes.data()));
+    if (boxes_of(mesh, i, boxes.data())) result.extend(steps.fit(boxes.data()));
   }
   return result;
 }
 
 }  // namespace
 
-void LinearBox::include(const LinearBox& other) {
-  begin = merged(begin, other.begin);
-  end = merged(end, other.end);
+void LinearBox::extend(const LinearBox& other) {
+  begin.extend(other.begin);
+  end.extend(other.end);
 }
 
 LinearBox linear_bounds_of(const MeshView& mesh) {
@@ -144,7 +132,7 @@ LinearBox linear_bounds_of(const MeshView& mesh) {
     blocks[block] = bounds_of_range(mesh, block * kGrain, end);
   });
   LinearBox result;
-  for (const LinearBox& block : blocks) result.include(block);
+  for (const LinearBox& block : blocks) result.extend(block);
   return result;
 }
 

@@ -10,7 +10,7 @@ struct LinearBox {
   Box3f begin = Box3f::empty();
   Box3f end = Box3f::empty();
 
-  void include(const LinearBox& other);
+  void extend(const LinearBox& other);
   bool is_empty() const { return !(begin.lower.x <= begin.upper.x); }
 };
 

@@ -162,7 +162,7 @@ void TrackedScene::forward(bool join) {
   join ? real().rtcJoinCommitScene(handle_) : real().rtcCommitScene(handle_);
   const std::lock_guard lock(mutex_);
   is_clean_ = !watch.failed();
-  commits_ = next_version();
+  commits_ = unique_number();
   scenes_changed();
 }
 

@@ -10,7 +10,7 @@
 #include <unordered_map>
 
 #include "plugin/preload/real_embree.h"
-#include "plugin/preload/version.h"
+#include "plugin/preload/unique_number.h"
 
 namespace stbvh::preload {
 namespace {
@@ -77,7 +77,7 @@ bool hits_as_we_do(RTCDevice device) {
 }  // namespace
 
 TrackedDevice::TrackedDevice(RTCDevice handle, int thread_limit)
-    : serial_(next_version()),
+    : serial_(unique_number()),
       handle_(handle),
       thread_limit_(thread_limit),
       is_plain_(hits_as_we_do(handle)) {}

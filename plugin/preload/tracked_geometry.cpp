@@ -1,6 +1,5 @@
 #include "plugin/preload/tracked_geometry.h"
 
-#include <array>
 #include <span>
 
 #include "plugin/preload/environment.h"
@@ -50,18 +49,18 @@ TrackedGeometry::~TrackedGeometry() {
 
 void TrackedGeometry::modified() {
   committed = false;
-  version = next_version();
+  version = unique_number();
 }
 
 void TrackedGeometry::was_committed() {
   committed = true;
-  version = next_version();
+  version = unique_number();
 }
 
 void TrackedGeometry::set_enabled(bool value) {
   const std::lock_guard lock(mutex_);
   enabled = value;
-  version = next_version();
+  version = unique_number();
   if (!given_to_embree_ || natively_enabled_ == value) return;
   natively_enabled_ = value;
   value ? real().rtcEnableGeometry(handle) : real().rtcDisableGeometry(handle);
@@ -104,18 +103,23 @@ bool TrackedGeometry::has_buffers() const {
 
 /// One mesh that the build refuses would take all others of the scene with it.
 bool TrackedGeometry::can_be_built() const {
-  if (step_count > kMaxSteps) return false;
-  std::array<VertexBufferView, kMaxSteps> steps;
-  for (unsigned step = 0; step < step_count; ++step) {
-    steps[step] = {vertices[step].data, vertices[step].count, vertices[step].stride};
+  std::vector<VertexBufferView> steps;
+  return problem_of(view(steps)) == nullptr;
+}
+
+MeshView TrackedGeometry::view(std::vector<VertexBufferView>& steps) const {
+  steps.clear();
+  for (const BoundBuffer& step : std::span(vertices).first(step_count)) {
+    steps.push_back({step.data, step.count, step.stride});
   }
   MeshView view;
   view.indices = indices.data;
   view.triangle_count = indices.count;
   view.index_stride = indices.stride;
-  view.steps = std::span(steps).first(step_count);
+  view.steps = steps;
   view.time_range = time_range;
-  return problem_of(view) == nullptr;
+  view.mask = mask;
+  return view;
 }
 
 }  // namespace stbvh::preload

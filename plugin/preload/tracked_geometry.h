@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "plugin/preload/registry.h"
-#include "plugin/preload/version.h"
-#include "stbvh/vec.h"
+#include "plugin/preload/unique_number.h"
+#include "stbvh/mesh_view.h"
 
 namespace stbvh::preload {
 
@@ -65,6 +65,9 @@ class TrackedGeometry {
   /// Does not look at whether it is enabled, nor at the device.
   StaysNative why_native() const;
 
+  /// As the kernels take it, for a mesh that does not stay native; `steps` becomes what it points to.
+  MeshView view(std::vector<VertexBufferView>& steps) const;
+
   const RTCGeometry handle;
   const RTCGeometryType type;
   const RTCDevice device;
@@ -85,7 +88,7 @@ class TrackedGeometry {
   bool committed = false;
   bool too_large = false;     ///< found out by a build: never again
   bool is_known = true;       ///< false: there was no memory to record a setter
-  std::uint64_t version = 0;  ///< next_version() at each change
+  std::uint64_t version = 0;  ///< unique_number() at each change
 
   /// For statistics: what this mesh was counted for, bit 0: taken over, bit i: reason i.
   unsigned counted = 0;

@@ -33,7 +33,7 @@ std::uint64_t TrackedScene::commits() const {
 
 void TrackedScene::modified() {
   const std::lock_guard lock(mutex_);
-  edits_ = next_version();
+  edits_ = unique_number();
 }
 
 void TrackedScene::withdraw_proxy() {
@@ -67,7 +67,7 @@ void TrackedScene::edit(bool needs_proxys_id, Change&& change) {
   const std::optional<unsigned> proxy_id = proxy_id_;
   if (needs_proxys_id) withdraw_proxy();
   if (change()) {
-    edits_ = next_version();
+    edits_ = unique_number();
   } else if (proxy_id && !proxy_id_) {
     attach_proxy_as(*proxy_id);
   }

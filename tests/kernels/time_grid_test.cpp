@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "builder/mesh_set.h"
+#include "builder/build_mesh.h"
 
 namespace stbvh {
 namespace {

@@ -2,8 +2,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "plugin/mesh_description.h"
-#include "plugin/step_bounds.h"
 #include "tests/plugin/mesh_pair.h"
 
 namespace stbvh::test {
@@ -40,36 +38,8 @@ TestMesh soup_with_invalid_triangles(unsigned steps) {
   return mesh;
 }
 
-/// Of the vertices of all triangles but the first and the third.
-Box3f exact_box(const TestMesh& mesh, std::size_t step) {
-  Box3f box = Box3f::empty();
-  for (std::size_t i = 3; i < mesh.vertex_count(); ++i) {
-    if (i >= 6 && i < 9) continue;
-    const Position& p = mesh.steps[step][i];
-    box.lower = {std::min(box.lower.x, p.x), std::min(box.lower.y, p.y), std::min(box.lower.z, p.z)};
-    box.upper = {std::max(box.upper.x, p.x), std::max(box.upper.y, p.y), std::max(box.upper.z, p.z)};
-  }
-  return box;
-}
-
 RTCBounds to_bounds(const Box3f& box) {
   return {box.lower.x, box.lower.y, box.lower.z, 0, box.upper.x, box.upper.y, box.upper.z, 0};
-}
-
-TEST(PluginBounds, OfAMeshAtItsStepsAreExact) {
-  for (const unsigned steps : {1u, 2u, 7u, 129u}) {
-    const TestMesh mesh = soup_with_invalid_triangles(steps);
-    std::vector<const void*> pointers;
-    const plugin::MeshDescription description(arguments_of(mesh, pointers));
-    std::ptrdiff_t bytes = 0;
-    const std::vector<Box3f> boxes = plugin::step_bounds(description.view(), [&](std::ptrdiff_t n) {
-      bytes += n;
-      return true;
-    });
-    EXPECT_EQ(bytes, 0);
-    ASSERT_EQ(boxes.size(), steps);
-    for (std::size_t i = 0; i < steps; ++i) expect_equal(to_bounds(boxes[i]), to_bounds(exact_box(mesh, i)));
-  }
 }
 
 TEST(PluginBounds, OfASceneOfOneMeshAreEmbrees) {
@@ -109,10 +79,7 @@ TEST(PluginBounds, OfSeveralMeshesContainThemAndAreTight) {
     for (std::size_t step = 0; step < mesh.steps.size(); ++step) {
       for (std::size_t i = 0; i < mesh.vertex_count(); ++i) {
         const Position& p = mesh.steps[step][i];
-        exact.lower = {std::min(exact.lower.x, p.x), std::min(exact.lower.y, p.y),
-                       std::min(exact.lower.z, p.z)};
-        exact.upper = {std::max(exact.upper.x, p.x), std::max(exact.upper.y, p.y),
-                       std::max(exact.upper.z, p.z)};
+        exact.extend(Vec3f{p.x, p.y, p.z});
       }
     }
   }

@@ -9,6 +9,7 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "stbvh/isa.h"
 #include "stbvh/mesh_view.h"
@@ -28,12 +29,15 @@ struct BuildCallbacks {
   std::function<bool(std::ptrdiff_t bytes)> temporary_memory;
   /// Told the fraction done, 0 to 1, never decreasing, one call at a time. Returns false to cancel the build.
   std::function<bool(double fraction)> progress;
+  /// Told of each mesh, one after another, the exact boxes of its valid triangles at its steps; empty boxes
+  /// without any.
+  std::function<void(std::size_t mesh, std::vector<Box3f> steps)> step_bounds = nullptr;
 };
 
 /// How rays are tested against boxes and triangles.
 enum class Precision {
   /// A triangle is hit or missed exactly as its interpolated vertices say, edges of neighbours leave no gap,
-  /// and no box hides what the triangle test accepts (Woop, Benthin, Wald 2013; docs/algorithm.md).
+  /// and no box hides what the triangle test accepts (Woop, Benthin, Wald 2013; docs/accuracy.md).
   kWatertight,
   /// Moeller-Trumbore (1997) in float and unpadded slabs, as renderers commonly do: rays that meet an edge or
   /// a vertex may slip through, and far from the origin hits are less exact.
@@ -83,7 +87,7 @@ struct Ray {
   Vec3f direction;
   float time;
   float tfar;
-  std::uint32_t mask;
+  std::uint32_t mask = 0xFFFFFFFFu;  ///< meets every mesh whose own mask is not 0
 };
 
 inline constexpr std::uint32_t kInvalidId = 0xFFFFFFFFu;

@@ -1,4 +1,4 @@
-#include "builder/mesh_set.h"
+#include "builder/build_mesh.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -15,12 +15,6 @@ namespace stbvh {
 
 namespace {
 
-/// A denormal time counts as 0: with flush-to-zero it does in any comparison, on the threads that have it
-/// set.
-float normal_time(float time) {
-  return std::fabs(time) < std::numeric_limits<float>::min() ? 0.0f : time;
-}
-
 TimeGrid make_grid(const MeshView& view) {
   constexpr float inf = std::numeric_limits<float>::infinity();
   if (view.steps.size() == 1) return {-inf, inf, inf, 0.0f};
@@ -28,58 +22,7 @@ TimeGrid make_grid(const MeshView& view) {
   return {range.begin, range.end, range.end - range.begin, static_cast<float>(view.steps.size() - 1)};
 }
 
-/// Whether `count` elements of `bytes`, `stride` apart, can lie at `data`: no object takes more than half of
-/// the address space.
-bool fits_into_memory(const void* data, std::size_t count, std::size_t stride, std::size_t bytes) {
-  constexpr std::size_t kMost = std::numeric_limits<std::ptrdiff_t>::max();
-  if (stride > kMost) return false;
-  if (count == 0) return true;
-  if (count - 1 > (kMost - bytes) / stride) return false;
-  const std::size_t extent = (count - 1) * stride + bytes;
-  return reinterpret_cast<std::uintptr_t>(data) <= std::numeric_limits<std::uintptr_t>::max() - extent;
-}
-
-const char* problem_of_indices(const MeshView& mesh) {
-  if (mesh.indices == nullptr && mesh.triangle_count > 0) return "has no index buffer";
-  if (mesh.triangle_count > kInvalidId) return "has more than 2^32 - 1 triangles";
-  if (mesh.index_stride < sizeof(BuildMesh::Triangle)) return "has an index stride below 12 bytes";
-  const bool fits =
-      fits_into_memory(mesh.indices, mesh.triangle_count, mesh.index_stride, sizeof(BuildMesh::Triangle));
-  return fits ? nullptr : "has indices that reach beyond the end of memory";
-}
-
-const char* problem_of_step(const VertexBufferView& step) {
-  if (step.data == nullptr && step.count > 0) return "lacks the vertex buffer of a step";
-  if (step.stride < sizeof(Vec3f)) return "has a vertex stride below 12 bytes";
-  const bool fits = fits_into_memory(step.data, step.count, step.stride, sizeof(Vec3f));
-  return fits ? nullptr : "has vertices that reach beyond the end of memory";
-}
-
-bool is_valid_coordinate(float x) {
-  return std::fabs(x) < kMaxCoordinate;
-}  // false for NaN
-
 }  // namespace
-
-bool is_usable(const TimeRange& range) {
-  const float begin = normal_time(range.begin), end = normal_time(range.end);
-  return std::isfinite(begin) && std::isfinite(end) && std::isfinite(end - begin) &&
-         end - begin >= std::numeric_limits<float>::min();
-}
-
-const char* problem_of(const MeshView& mesh) {
-  if (mesh.steps.empty()) return "has no steps";
-  if (mesh.steps.size() > kMaxSteps) return "has more than 129 steps";
-  if (const char* const problem = problem_of_indices(mesh)) return problem;
-  for (const VertexBufferView& step : mesh.steps) {
-    if (step.count != mesh.steps[0].count) return "has steps of different vertex counts";
-    if (const char* const problem = problem_of_step(step)) return problem;
-  }
-  if (mesh.steps.size() > 1 && !is_usable(mesh.time_range)) {
-    return "has a time range that is empty, not finite, or shorter than 1.18e-38";
-  }
-  return nullptr;
-}
 
 BuildMesh::BuildMesh(const MeshView& view, std::size_t index) : view_(view) {
   if (const char* const problem = problem_of(view)) {
@@ -94,8 +37,7 @@ void BuildMesh::find_invalid_vertices() {
   const std::size_t count = view_.steps[0].count;
   const auto is_invalid = [&](std::size_t vertex) {
     for (std::size_t step = 0; step < view_.steps.size(); ++step) {
-      const Vec3f p = position(step, static_cast<std::uint32_t>(vertex));
-      if (!is_valid_coordinate(p.x) || !is_valid_coordinate(p.y) || !is_valid_coordinate(p.z)) return true;
+      if (!is_valid_position(position(step, static_cast<std::uint32_t>(vertex)))) return true;
     }
     return false;
   };
@@ -113,8 +55,8 @@ void BuildMesh::find_invalid_vertices() {
   for (std::size_t v = 0; v < count; ++v) invalid_vertices_[v] = is_invalid(v);
 }
 
-bool BuildMesh::is_valid(const Triangle& triangle) const {
-  for (const std::uint32_t v : triangle.vertex) {
+bool BuildMesh::is_valid(const TriangleIndices& triangle) const {
+  for (const std::uint32_t v : triangle) {
     if (v >= view_.steps[0].count) return false;
     if (!invalid_vertices_.empty() && invalid_vertices_[v]) return false;
   }

@@ -1,4 +1,4 @@
-#include "builder/meshlets.h"
+#include "builder/meshlet_set.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -13,6 +13,7 @@
 #include <memory>
 #include <numeric>
 
+#include "builder/build_context.h"
 #include "hard_meshes.h"
 
 namespace stbvh {
@@ -64,12 +65,12 @@ bool coincide(const BuildMesh& mesh, std::uint32_t a, std::uint32_t b) {
 
 /// That the corners of triangle `i` are where the mesh has them; marks the slots they use.
 void expect_corners(const BuildMesh& mesh, const Meshlet& m, std::size_t i, std::array<bool, kWidth>& used) {
-  const BuildMesh::Triangle triangle = mesh.triangle(m.prims[i]);
+  const TriangleIndices triangle = mesh.triangle(m.prims[i]);
   for (std::size_t corner = 0; corner < 3; ++corner) {
     const std::uint8_t slot = m.corners[corner][i];
     ASSERT_LT(slot, m.vertex_count);
     used[slot] = true;
-    ASSERT_TRUE(coincide(mesh, m.vertices[slot], triangle.vertex[corner])) << "triangle " << m.prims[i];
+    ASSERT_TRUE(coincide(mesh, m.vertices[slot], triangle[corner])) << "triangle " << m.prims[i];
   }
 }
 

@@ -1,25 +1,16 @@
-/// The caller's meshes, checked once, as the builder reads them.
+/// A mesh of the caller, checked once, as the builder reads it.
 #pragma once
 
 #include <cstdint>
-#include <cstring>
 #include <optional>
-#include <span>
 #include <vector>
 
+#include "layout/closed_time_range.h"
 #include "layout/time_grid.h"
 #include "stbvh/mesh_view.h"
 #include "stbvh/structure.h"
 
 namespace stbvh {
-
-/// Closed range of float times; the next range begins at the next float.
-struct ClosedTimeRange {
-  float begin;
-  float last;
-
-  bool operator==(const ClosedTimeRange&) const = default;
-};
 
 /// One mesh: access to its triangles and positions.
 class BuildMesh {
@@ -32,23 +23,11 @@ class BuildMesh {
   std::size_t segments() const { return view_.steps.size() - 1; }
   bool is_static() const { return view_.steps.size() == 1; }
 
-  struct Triangle {
-    std::uint32_t vertex[3];
-  };
-  Triangle triangle(std::size_t prim) const {
-    Triangle t;
-    std::memcpy(&t, static_cast<const char*>(view_.indices) + prim * view_.index_stride, sizeof t);
-    return t;
-  }
-  Vec3f position(std::size_t step, std::uint32_t vertex) const {
-    const VertexBufferView& buffer = view_.steps[step];
-    Vec3f p;
-    std::memcpy(&p, static_cast<const char*>(buffer.data) + vertex * buffer.stride, sizeof p);
-    return p;
-  }
+  TriangleIndices triangle(std::size_t prim) const { return view_.triangle(prim); }
+  Vec3f position(std::size_t step, std::uint32_t vertex) const { return view_.steps[step].position(vertex); }
 
-  /// Whether all indices are in range and all positions finite and below kMaxCoordinate, in every step.
-  bool is_valid(const Triangle& triangle) const;
+  /// Whether all indices are in range and all positions valid, in every step.
+  bool is_valid(const TriangleIndices& triangle) const;
 
   /// First and last segment met by the times of `range`, which overlaps the mesh's own. Not for static
   /// meshes.

@@ -1,4 +1,4 @@
-#include "builder/linear_bounds.h"
+#include "builder/tightest_bounds.h"
 
 #include <algorithm>
 #include <array>
@@ -44,14 +44,14 @@ Point lower_hull_line(std::span<const Point> points, double centre) {
 LinearBounds tightest_at_centre(std::span<const BoundsSample> samples) {
   const BoundsSample& first = samples.front();
   const BoundsSample& last = samples.back();
-  if (samples.size() <= 2) return {first.lower, first.upper, last.lower, last.upper};
+  if (samples.size() <= 2) return {first.box, last.box};
   std::array<Point, kMaxSteps + 2> points;
   alignas(16) float lines[4][4] = {};
   for (int axis = 0; axis < 3; ++axis) {
     for (int upper = 0; upper < 2; ++upper) {
       const double sign = upper ? -1.0 : 1.0;
       for (std::size_t i = 0; i < samples.size(); ++i) {
-        const F32x4& corner = upper ? samples[i].upper : samples[i].lower;
+        const F32x4& corner = upper ? samples[i].box.upper : samples[i].box.lower;
         points[i] = {samples[i].parameter, sign * static_cast<double>(corner[axis])};
       }
       const Point line = lower_hull_line({points.data(), samples.size()}, 0.5);
@@ -61,7 +61,8 @@ LinearBounds tightest_at_centre(std::span<const BoundsSample> samples) {
       lines[2 + upper][axis] = static_cast<float>(sign * line.v + outwards);
     }
   }
-  return {_mm_load_ps(lines[0]), _mm_load_ps(lines[1]), _mm_load_ps(lines[2]), _mm_load_ps(lines[3])};
+  const auto line = [&](int i) { return F32x4(_mm_load_ps(lines[i])); };
+  return {{line(0), line(1)}, {line(2), line(3)}};
 }
 
 }  // namespace stbvh

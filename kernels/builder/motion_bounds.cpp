@@ -1,7 +1,8 @@
-#include "builder/reference.h"
+#include "builder/motion_bounds.h"
 
 #include <algorithm>
-#include <cstring>
+
+#include "builder/tightest_bounds.h"
 
 namespace stbvh {
 
@@ -27,13 +28,15 @@ MotionSamples::MotionSamples(const BuildMesh& mesh, const ClosedTimeRange& range
   if (length > 0) samples[count++] = {1.0f, last.fraction, last.segment};
 }
 
+namespace {
+
+/// Boxes of the given vertices at all samples.
 void sample_bounds(const BuildMesh& mesh, const MotionSamples& samples,
                    std::span<const std::uint32_t> vertices, std::span<BoundsSample> boxes) {
   F32x4 pad(0.0f);
   for (std::size_t i = 0; i < samples.count; ++i) {
     const MotionSamples::Sample& sample = samples.samples[i];
-    F32x4 lower(std::numeric_limits<float>::infinity());
-    F32x4 upper(-std::numeric_limits<float>::infinity());
+    Box4 box = Box4::empty();
     F32x4 motion(0.0f);
     for (const std::uint32_t vertex : vertices) {
       F32x4 p(mesh.position(sample.segment, vertex));
@@ -42,19 +45,19 @@ void sample_bounds(const BuildMesh& mesh, const MotionSamples& samples,
         motion = max(motion, abs(next - p));
         p = F32x4(1.0f - sample.fraction) * p + F32x4(sample.fraction) * next;
       }
-      lower = min(lower, p);
-      upper = max(upper, p);
+      box.extend(p);
     }
-    boxes[i] = {sample.parameter, lower, upper};
-    const F32x4 largest = max(abs(lower), abs(upper)) + motion;
+    boxes[i] = {sample.parameter, box};
+    const F32x4 largest = max(abs(box.lower), abs(box.upper)) + motion;
     pad = max(pad, F32x4(0x1p-20f * mesh.grid().segments) * motion + F32x4(0x1p-20f) * largest);
   }
   if (mesh.is_static()) return;
-  for (BoundsSample& box : boxes.first(samples.count)) {
-    box.lower = box.lower - pad;
-    box.upper = box.upper + pad;
+  for (auto& [parameter, box] : boxes.first(samples.count)) {
+    box = {box.lower - pad, box.upper + pad};
   }
 }
+
+}  // namespace
 
 LinearBounds motion_bounds(const BuildMesh& mesh, const MotionSamples& samples,
                            std::span<const std::uint32_t> vertices) {
@@ -62,23 +65,9 @@ LinearBounds motion_bounds(const BuildMesh& mesh, const MotionSamples& samples,
   sample_bounds(mesh, samples, vertices, boxes);
   const std::span<const BoundsSample> used(boxes.data(), samples.count);
   if (samples.count > 1 && samples.covers_range) return tightest_at_centre(used);
-  BoundsSample all = used[0];
-  for (const BoundsSample& box : used) {
-    all.lower = min(all.lower, box.lower);
-    all.upper = max(all.upper, box.upper);
-  }
-  return {all.lower, all.upper, all.lower, all.upper};
-}
-
-Reference make_reference(const LinearBounds& bounds, std::uint32_t mesh, std::uint32_t meshlet) {
-  Reference r;
-  _mm_storeu_ps(r.lower_begin, bounds.lower_begin.v);
-  _mm_storeu_ps(r.upper_begin, bounds.upper_begin.v);
-  _mm_storeu_ps(r.lower_end, bounds.lower_end.v);
-  _mm_storeu_ps(r.upper_end, bounds.upper_end.v);
-  r.meshlet = meshlet;
-  r.mesh = mesh;
-  return r;
+  Box4 all = Box4::empty();
+  for (const BoundsSample& sample : used) all.extend(sample.box);
+  return {all, all};
 }
 
 }  // namespace stbvh

@@ -1,18 +1,19 @@
-/// From the binary tree to the bytes of a structure: collapsed, kinds chosen per node, bounds anchored and
-/// rounded outwards.
+/// From the binary tree to the bytes of a structure: which leaves are inline, which nodes become the children
+/// of which, and where each of them stands. layout/ writes them.
 #pragma once
 
 #include <vector>
 
+#include "builder/binary_tree.h"
 #include "builder/build_context.h"
-#include "builder/builder.h"
 #include "layout/layout.h"
 
 namespace stbvh {
 
 class Encoder {
  public:
-  Encoder(const BuildContext& context, const BinaryTree& tree);
+  /// Enters in the nodes of `tree` what has been chosen, and how many bytes they take.
+  Encoder(const BuildContext& context, BinaryTree& tree);
 
   /// Bytes that encode() writes; 0 for an empty tree.
   std::size_t bytes() const { return units_ * kUnitBytes + indexed_count_ * kIndexedLeafBytes; }
@@ -33,16 +34,15 @@ class Encoder {
     void add(const Counts& other);
   };
   /// Chooses which leaves are indexed; numbers the meshlets of those.
-  void choose_leaves();
+  void choose_leaves(BinaryNode& root);
   Counts measure(BinaryNode& node) const;
   Link encode_node(const BinaryNode& node, std::byte* data, std::size_t unit) const;
-  void encode_inline_leaf(const BinaryLeaf& leaf, std::byte* out) const;
   std::size_t leaf_units(const BinaryLeaf& leaf) const;
   std::size_t leaf_steps(const BinaryLeaf& leaf) const;
   std::size_t meshlet_number(const BinaryLeaf& leaf) const;
 
   const BuildContext& context_;
-  BinaryNode* root_;
+  const BinaryNode* root_;
   Counts counts_;
   std::size_t units_ = 0;  ///< of nodes and inline leaves
   /// Indexed leaves stand behind them, one for each meshlet: leaves of all its time ranges are the same.

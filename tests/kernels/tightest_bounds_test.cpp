@@ -1,4 +1,4 @@
-#include "builder/linear_bounds.h"
+#include "builder/tightest_bounds.h"
 
 #include <gtest/gtest.h>
 
@@ -15,8 +15,8 @@ std::vector<BoundsSample> random_samples(test::Random& random, std::size_t count
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3f lower = random.point(1.0f);
     const Vec3f size{random.unit(), random.unit(), random.unit()};
-    samples.push_back({static_cast<float>(i) / static_cast<float>(count - 1), F32x4(lower),
-                       F32x4(lower.x + size.x, lower.y + size.y, lower.z + size.z)});
+    samples.push_back({static_cast<float>(i) / static_cast<float>(count - 1),
+                       {F32x4(lower), F32x4(lower.x + size.x, lower.y + size.y, lower.z + size.z)}});
   }
   return samples;
 }
@@ -24,15 +24,15 @@ std::vector<BoundsSample> random_samples(test::Random& random, std::size_t count
 void expect_contains(const LinearBounds& bounds, const std::vector<BoundsSample>& samples) {
   for (const BoundsSample& s : samples) {
     for (int axis = 0; axis < 3; ++axis) {
-      const float lower = (1 - s.parameter) * bounds.lower_begin[axis] + s.parameter * bounds.lower_end[axis];
-      const float upper = (1 - s.parameter) * bounds.upper_begin[axis] + s.parameter * bounds.upper_end[axis];
-      EXPECT_LE(lower, s.lower[axis] + 1e-5f);
-      EXPECT_GE(upper, s.upper[axis] - 1e-5f);
+      const float lower = (1 - s.parameter) * bounds.begin.lower[axis] + s.parameter * bounds.end.lower[axis];
+      const float upper = (1 - s.parameter) * bounds.begin.upper[axis] + s.parameter * bounds.end.upper[axis];
+      EXPECT_LE(lower, s.box.lower[axis] + 1e-5f);
+      EXPECT_GE(upper, s.box.upper[axis] - 1e-5f);
     }
   }
 }
 
-TEST(LinearBounds, TheyContainEverySample) {
+TEST(TightestBounds, TheyContainEverySample) {
   test::Random random(1);
   for (std::size_t count = 2; count <= kMaxSteps + 2; count += count < 20 ? 1 : 37) {
     for (int repeat = 0; repeat < 20; ++repeat) {
@@ -52,13 +52,14 @@ LinearBounds shifted_chord(std::span<const BoundsSample> samples) {
   for (const BoundsSample& sample : samples) {
     const F32x4 s(sample.parameter);
     const F32x4 r(1.0f - sample.parameter);
-    below = max(below, r * first.lower + s * last.lower - sample.lower);
-    above = max(above, sample.upper - (r * first.upper + s * last.upper));
+    below = max(below, r * first.box.lower + s * last.box.lower - sample.box.lower);
+    above = max(above, sample.box.upper - (r * first.box.upper + s * last.box.upper));
   }
-  return {first.lower - below, first.upper + above, last.lower - below, last.upper + above};
+  return {{first.box.lower - below, first.box.upper + above},
+          {last.box.lower - below, last.box.upper + above}};
 }
 
-TEST(LinearBounds, NeverLooserAtTheCentreThanTheShiftedChord) {
+TEST(TightestBounds, NeverLooserAtTheCentreThanTheShiftedChord) {
   test::Random random(2);
   double chord = 0, hull = 0;
   for (int repeat = 0; repeat < 200; ++repeat) {
@@ -72,17 +73,17 @@ TEST(LinearBounds, NeverLooserAtTheCentreThanTheShiftedChord) {
   EXPECT_LT(hull, 0.95 * chord);
 }
 
-TEST(LinearBounds, HullOnPaper) {
+TEST(TightestBounds, HullOnPaper) {
   // A lower face at 0, -1, 0 over parameters 0, 0.5, 1: the lowest line through the centre lies at -1 there.
   std::vector<BoundsSample> samples;
   for (const auto& [s, v] : {std::pair{0.0f, 0.0f}, {0.5f, -1.0f}, {1.0f, 0.0f}}) {
-    samples.push_back({s, F32x4(v), F32x4(5.0f)});
+    samples.push_back({s, {F32x4(v), F32x4(5.0f)}});
   }
   const LinearBounds bounds = tightest_at_centre(samples);
-  EXPECT_FLOAT_EQ(0.5f * (bounds.lower_begin[0] + bounds.lower_end[0]), -1.0f);
-  EXPECT_LE(bounds.lower_begin[0], 0.0f);
-  EXPECT_LE(bounds.lower_end[0], 0.0f);
-  EXPECT_FLOAT_EQ(bounds.upper_begin[0], 5.0f);
+  EXPECT_FLOAT_EQ(0.5f * (bounds.begin.lower[0] + bounds.end.lower[0]), -1.0f);
+  EXPECT_LE(bounds.begin.lower[0], 0.0f);
+  EXPECT_LE(bounds.end.lower[0], 0.0f);
+  EXPECT_FLOAT_EQ(bounds.begin.upper[0], 5.0f);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "builder/builder.h"
+#include "builder/binary_tree.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -8,17 +8,21 @@
 #include <new>
 
 #include "builder/mbsah.h"
-#include "builder/meshlets.h"
+#include "builder/motion_bounds.h"
 #include "builder/object_split.h"
 #include "builder/temporal_split.h"
+#include "builder/tightest_bounds.h"
 
 namespace stbvh {
 
 namespace {
 
 constexpr std::size_t kParallelSet = 1024;    ///< sets from this size on are built as tasks of their own
-constexpr std::size_t kSplitDepthLimit = 56;  ///< below, sets are only halved: bounds the depth of the tree
-constexpr std::size_t kPollSet = 65536;       ///< sets from this size on ask the progress callback themselves
+constexpr std::size_t kSplitDepthLimit = 56;  ///< below, sets are only halved
+// Fewer than 2^32 references are in a set, as BinaryNode::subtree_leaves counts them: one is left 32 halvings
+// below.
+static_assert(kSplitDepthLimit + 32 <= kMaxLevels, "the traversal's stacks hold no deeper tree");
+constexpr std::size_t kPollSet = 65536;  ///< sets from this size on ask the progress callback themselves
 constexpr std::size_t kChunk = 1024;
 
 /// Where TBB has no memory for it the tasks run to their end.
@@ -66,8 +70,8 @@ LinearBounds merged_bounds(const ClosedTimeRange& range, const BinaryNode& left,
   std::size_t count = 0;
   const ClosedTimeRange ranges[2] = {left.range, right.range};
   for (std::size_t i = 0; i < 2; ++i) {
-    samples[count++] = {parameter(ranges[i].begin), bounds[i].lower_begin, bounds[i].upper_begin};
-    samples[count++] = {parameter(ranges[i].last), bounds[i].lower_end, bounds[i].upper_end};
+    samples[count++] = {parameter(ranges[i].begin), bounds[i].begin};
+    samples[count++] = {parameter(ranges[i].last), bounds[i].end};
   }
   const auto earlier = [](const BoundsSample& a, const BoundsSample& b) { return a.parameter < b.parameter; };
   std::sort(samples.begin(), samples.begin() + 4, earlier);
@@ -80,8 +84,7 @@ LinearBounds merged_bounds(const ClosedTimeRange& range, const BinaryNode& left,
   // Halves meet within a float of time: no line should be laid through two boxes so close.
   for (std::size_t i = 0; i + 1 < count; ++i) {
     if (samples[i + 1].parameter - samples[i].parameter > 1e-3f) continue;
-    samples[i].lower = samples[i + 1].lower = min(samples[i].lower, samples[i + 1].lower);
-    samples[i].upper = samples[i + 1].upper = max(samples[i].upper, samples[i + 1].upper);
+    samples[i].box = samples[i + 1].box = united(samples[i].box, samples[i + 1].box);
   }
   return tightest_at_centre(samples);
 }
@@ -228,8 +231,7 @@ BinaryTree::Subtree BinaryTree::make_inner(const ClosedTimeRange& range, const S
   inner->packed_bounds = PackedBounds(merged_bounds(range, *left.node, *right.node));
   inner->range = range;
   inner->subtree_leaves = left.node->subtree_leaves + right.node->subtree_leaves;
-  inner->children[0] = left.node;
-  inner->children[1] = right.node;
+  inner->set_children(*left.node, *right.node);
   return {inner, share_slots(*inner, left.costs, right.costs)};
 }
 

@@ -1,4 +1,4 @@
-/// Numbers that tell states and objects apart.
+/// Numbers that tell versions and objects apart.
 #pragma once
 
 #include <atomic>
@@ -7,7 +7,7 @@
 namespace stbvh::preload {
 
 /// A number that no call returned before.
-inline std::uint64_t next_version() {
+inline std::uint64_t unique_number() {
   static std::atomic<std::uint64_t> last{0};
   return last.fetch_add(1, std::memory_order_relaxed) + 1;
 }

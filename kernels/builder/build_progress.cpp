@@ -1,23 +1,8 @@
-#include "builder/build_context.h"
+#include "builder/build_progress.h"
 
 #include <algorithm>
 
 namespace stbvh {
-
-void BuildMemory::take(std::size_t bytes) {
-  if (callbacks_.temporary_memory && !callbacks_.temporary_memory(static_cast<std::ptrdiff_t>(bytes))) {
-    throw BuildCancelled();
-  }
-  const std::size_t now = current_.fetch_add(bytes) + bytes;
-  std::size_t peak = peak_.load();
-  while (peak < now && !peak_.compare_exchange_weak(peak, now)) {
-  }
-}
-
-void BuildMemory::give_back(std::size_t bytes) noexcept {
-  current_.fetch_sub(bytes);
-  if (callbacks_.temporary_memory) callbacks_.temporary_memory(-static_cast<std::ptrdiff_t>(bytes));
-}
 
 void BuildProgress::add(double share) {
   if (!callbacks_.progress) return;

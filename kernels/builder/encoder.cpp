@@ -1,0 +1,222 @@
+#include "builder/encoder.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "builder/collapse.h"
+#include "builder/mbsah.h"
+#include "layout/meshlet.h"
+#include "layout/node_plan.h"
+
+namespace stbvh {
+
+namespace {
+
+/// Subtrees of fewer leaves are walked by one thread.
+constexpr std::size_t kParallelLeaves = 4096;
+constexpr std::uint32_t kNone = 0xFFFFFFFFu;
+
+Link make_link(LinkKind kind, std::size_t unit) {
+  return static_cast<Link>(unit) | (static_cast<Link>(kind) << kLinkKindShift);
+}
+
+/// The order in which occlusion rays try the children they meet: what is large and decides soon comes first.
+bool is_tried_before(const BinaryNode* a, const BinaryNode* b) {
+  const auto promise = [](const BinaryNode* node) {
+    return node->bounds().centre_area() / (1.0f + std::log2(static_cast<float>(node->subtree_leaves)));
+  };
+  return promise(a) > promise(b);
+}
+
+NodePlan plan_node(const BinaryNode& node, std::span<const BinaryNode* const> children) {
+  NodePlan plan;
+  plan.range = node.range;
+  for (const BinaryNode* child : children) plan.children[plan.count++] = {child->bounds(), child->range, 0};
+  return plan;
+}
+
+/// A leaf by what each of its bytes brings to rays; of equal ones the first in the tree comes first.
+struct RankedLeaf {
+  float worth;
+  std::uint32_t index;
+
+  bool operator<(const RankedLeaf& other) const {
+    return worth != other.worth ? worth > other.worth : index < other.index;
+  }
+};
+
+void collect_leaves(BinaryNode& node, std::vector<BinaryLeaf*>& leaves) {
+  if (node.is_leaf()) {
+    leaves.push_back(&as_leaf(node));
+    return;
+  }
+  for (std::size_t i = 0; i < 2; ++i) collect_leaves(as_inner(node).child(i), leaves);
+}
+
+template <typename Body>
+void for_each_child(bool parallel, std::size_t count, const Body& body) {
+  if (parallel) {
+    tbb::parallel_for(std::size_t{0}, count, body);
+  } else {
+    for (std::size_t i = 0; i < count; ++i) body(i);
+  }
+}
+
+}  // namespace
+
+void Encoder::Counts::add(const Counts& other) {
+  for (std::size_t kind = 0; kind < 3; ++kind) {
+    nodes[kind] += other.nodes[kind];
+    node_children[kind] += other.node_children[kind];
+  }
+  inline_leaves += other.inline_leaves;
+  indexed_leaves += other.indexed_leaves;
+  leaf_triangles += other.leaf_triangles;
+  leaf_units += other.leaf_units;
+  depth = std::max(depth, other.depth);
+}
+
+Encoder::Encoder(const BuildContext& context, BinaryTree& tree) : context_(context), root_(tree.root()) {
+  if (tree.root() == nullptr) return;
+  choose_leaves(*tree.root());
+  counts_ = measure(*tree.root());
+  units_ = root_->units;
+  if (bytes() > kMaxUnits * kUnitBytes) throw std::length_error("structure larger than 32 GiB");
+}
+
+void Encoder::choose_leaves(BinaryNode& root) {
+  const float share = context_.settings.inline_share;
+  if (share >= 1.0f) return;
+  std::vector<BinaryLeaf*> leaves;
+  collect_leaves(root, leaves);
+  const auto bytes = [&](const BinaryLeaf* leaf) { return inline_leaf_bytes(leaf_steps(*leaf)); };
+  std::vector<RankedLeaf> ranked(leaves.size());
+  double left = 0;
+  for (std::uint32_t i = 0; i < leaves.size(); ++i) {
+    const auto size = static_cast<float>(bytes(leaves[i]));
+    ranked[i] = {expected_area(leaves[i]->bounds(), leaves[i]->range) / size, i};
+    left += static_cast<double>(size) * share;
+  }
+  tbb::parallel_sort(ranked.begin(), ranked.end());
+  std::size_t meshlets = 0;
+  for (const MeshletSet& set : context_.meshlets) {
+    first_meshlet_.push_back(meshlets);
+    meshlets += set.meshlets().size();
+  }
+  indexed_.assign(meshlets, kNone);
+  for (const RankedLeaf& rank : ranked) {
+    BinaryLeaf* const leaf = leaves[rank.index];
+    const auto size = static_cast<double>(bytes(leaf));
+    leaf->is_indexed = size > left;
+    if (leaf->is_indexed) {
+      indexed_[meshlet_number(*leaf)] = 0;
+    } else {
+      left -= size;
+    }
+  }
+  for (std::uint32_t& number : indexed_) {
+    if (number != kNone) number = static_cast<std::uint32_t>(indexed_count_++);
+  }
+}
+
+std::size_t Encoder::leaf_steps(const BinaryLeaf& leaf) const {
+  return context_.meshes[leaf.mesh].is_static() ? 1 : leaf.segments.last - leaf.segments.first + 2;
+}
+
+std::size_t Encoder::meshlet_number(const BinaryLeaf& leaf) const {
+  return first_meshlet_[leaf.mesh] +
+         static_cast<std::size_t>(leaf.meshlet - context_.meshlets[leaf.mesh].meshlets().data());
+}
+
+std::size_t Encoder::leaf_units(const BinaryLeaf& leaf) const {
+  return leaf.is_indexed ? 0 : inline_leaf_bytes(leaf_steps(leaf)) / kUnitBytes;
+}
+
+Encoder::Counts Encoder::measure(BinaryNode& node) const {
+  Counts counts;
+  if (node.is_leaf()) {
+    const BinaryLeaf& leaf = as_leaf(node);
+    (leaf.is_indexed ? counts.indexed_leaves : counts.inline_leaves) = 1;
+    counts.leaf_triangles = leaf.meshlet->triangle_count;
+    counts.leaf_units = leaf_units(leaf);
+    node.units = static_cast<std::uint32_t>(counts.leaf_units);
+    return counts;
+  }
+  const WideChildren<BinaryNode> children = wide_children(as_inner(node));
+  std::array<Counts, kWidth> child_counts;
+  const bool parallel = node.subtree_leaves >= kParallelLeaves;
+  for_each_child(parallel, children.count, [&](std::size_t i) { child_counts[i] = measure(children[i]); });
+  const LinkKind kind = plan_node(node, children.span()).kind();
+  std::size_t units = node_units(kind);
+  for (std::size_t i = 0; i < children.count; ++i) {
+    counts.add(child_counts[i]);
+    units += children[i].units;
+  }
+  node.units = static_cast<std::uint32_t>(std::min(units, kMaxUnits + 1));  // more is refused in the end
+  ++counts.nodes[static_cast<std::size_t>(kind)];
+  counts.node_children[static_cast<std::size_t>(kind)] += children.count;
+  ++counts.depth;
+  return counts;
+}
+
+Link Encoder::encode(std::byte* data) const {
+  for (std::size_t mesh = 0; mesh < first_meshlet_.size(); ++mesh) {
+    const std::span<const Meshlet> meshlets = context_.meshlets[mesh].meshlets();
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, meshlets.size(), kParallelLeaves),
+                      [&](const auto& part) {
+                        for (std::size_t i = part.begin(); i != part.end(); ++i) {
+                          const std::uint32_t number = indexed_[first_meshlet_[mesh] + i];
+                          if (number == kNone) continue;
+                          write_indexed_leaf(static_cast<std::uint32_t>(mesh), meshlets[i],
+                                             data + units_ * kUnitBytes + number * kIndexedLeafBytes);
+                        }
+                      });
+  }
+  return encode_node(*root_, data, 0);
+}
+
+Link Encoder::encode_node(const BinaryNode& node, std::byte* data, std::size_t unit) const {
+  if (node.is_leaf()) {
+    const BinaryLeaf& leaf = as_leaf(node);
+    if (leaf.is_indexed) {
+      const std::size_t number = indexed_[meshlet_number(leaf)];
+      return make_link(LinkKind::kLeaf, units_ + number * (kIndexedLeafBytes / kUnitBytes));
+    }
+    const std::size_t first = leaf.segments.first;
+    const auto steps = context_.meshes[leaf.mesh].view().steps.subspan(first, leaf_steps(leaf));
+    write_inline_leaf(leaf.mesh, *leaf.meshlet, first, steps, data + unit * kUnitBytes);
+    return make_link(LinkKind::kLeaf, unit);
+  }
+  WideChildren<const BinaryNode> children = wide_children(as_inner(node));
+  std::stable_sort(children.nodes.begin(),
+                   children.nodes.begin() + static_cast<std::ptrdiff_t>(children.count), is_tried_before);
+  NodePlan plan = plan_node(node, children.span());
+  const LinkKind kind = plan.kind();
+  std::array<std::size_t, kWidth> units;
+  std::size_t next = unit + node_units(kind);
+  for (std::size_t i = 0; i < children.count; ++i) {
+    units[i] = next;
+    next += children[i].units;
+  }
+  for_each_child(node.subtree_leaves >= kParallelLeaves, children.count,
+                 [&](std::size_t i) { plan.children[i].link = encode_node(children[i], data, units[i]); });
+  write_node(plan, data + unit * kUnitBytes);
+  return make_link(kind, unit);
+}
+
+void Encoder::add_statistics(BuildStatistics& statistics) const {
+  statistics.nodes = counts_.nodes;
+  statistics.node_children = counts_.node_children;
+  statistics.inline_leaves = counts_.inline_leaves;
+  statistics.indexed_leaves = counts_.indexed_leaves;
+  statistics.leaf_triangles = counts_.leaf_triangles;
+  statistics.leaf_bytes = counts_.leaf_units * kUnitBytes + indexed_count_ * kIndexedLeafBytes;
+  statistics.depth = counts_.depth;
+}
+
+}  // namespace stbvh

@@ -1,0 +1,34 @@
+/// Linear bounds of vertices that move from step to step.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "builder/build_mesh.h"
+#include "layout/linear_bounds.h"
+
+namespace stbvh {
+
+/// The times at which bounds of a mesh over a time range must hold, and where its vertices are then: at both
+/// ends of the range and at every step inside it (all motion is linear in between).
+struct MotionSamples {
+  struct Sample {
+    float parameter;  ///< of the range, in [0, 1]
+    float fraction;   ///< of the segment; 0: exactly at the step
+    std::uint32_t segment;
+  };
+  std::array<Sample, kMaxSteps + 2> samples;
+  std::size_t count = 0;
+  bool covers_range = true;  ///< false: the mesh is alive in a part of the range only
+
+  /// Empty (count 0) where the mesh is not alive in `range`.
+  MotionSamples(const BuildMesh& mesh, const ClosedTimeRange& range);
+};
+
+/// Linear bounds of the given vertices over the range of `samples`, padded for the rounding of the segment's
+/// fraction (docs/accuracy.md).
+LinearBounds motion_bounds(const BuildMesh& mesh, const MotionSamples& samples,
+                           std::span<const std::uint32_t> vertices);
+
+}  // namespace stbvh

@@ -1,0 +1,15 @@
+/// Bounds of a mesh at its steps.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "builder/build_mesh.h"
+#include "layout/meshlet.h"
+
+namespace stbvh {
+
+/// The boxes of `meshlets`, all those of `mesh`, at each step; empty ones without any.
+std::vector<Box3f> step_bounds(const BuildMesh& mesh, std::span<const Meshlet> meshlets);
+
+}  // namespace stbvh

@@ -1,0 +1,34 @@
+/// A node before it is bytes: which children it has, and where they lead.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+#include "layout/closed_time_range.h"
+#include "layout/layout.h"
+#include "layout/linear_bounds.h"
+
+namespace stbvh {
+
+struct NodePlan {
+  struct Child {
+    LinearBounds bounds;  ///< over its range
+    ClosedTimeRange range;
+    Link link;
+  };
+
+  ClosedTimeRange range;
+  std::array<Child, kWidth> children;
+  std::size_t count = 0;
+
+  /// The smallest kind of node that holds these children; their links do not matter.
+  LinkKind kind() const;
+};
+
+/// Units of memory that a node of this kind takes.
+std::size_t node_units(LinkKind kind);
+
+/// Writes a node of the kind plan.kind(), its bounds anchored and rounded outwards.
+void write_node(const NodePlan& plan, std::byte* out);
+
+}  // namespace stbvh

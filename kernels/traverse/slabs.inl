@@ -1,0 +1,46 @@
+/// How rays are tested against the planes of boxes.
+#pragma once
+
+#include "traverse/ray_setup.inl"
+
+namespace stbvh {
+namespace {
+
+/// No box hides what the watertight triangle test accepts.
+struct PaddedSlabs {
+  /// How far the triangle test may see a vertex from where it is: its translation, interpolation and shear
+  /// round by up to 8 * 2^-24 of the distance of the vertex, the slab distances by 3 more (docs/accuracy.md).
+  /// The second term survives the rounding of the sum with the origin.
+  static Axes slack(Axes origin, Axes distance) {
+    const Axes size = _mm_andnot_ps(_mm_set1_ps(-0.0f), origin);
+    return _mm_add_ps(_mm_mul_ps(_mm_set1_ps(0x1p-20f), distance), _mm_mul_ps(_mm_set1_ps(0x1p-22f), size));
+  }
+
+  /// The near planes move towards the ray's origin by the slack, the far planes away from it.
+  static void set_slabs(Axes origin, Axes direction, Axes inverse, Axes distance, TraversalRay& r) {
+    const Axes sign = _mm_and_ps(_mm_set1_ps(-0.0f), direction);
+    const Axes backwards = _mm_or_ps(sign, slack(origin, distance));
+    splat_axes(r.inverse, inverse);
+    splat_axes(r.near_origin, _mm_add_ps(origin, backwards));
+    splat_axes(r.far_origin, _mm_sub_ps(origin, backwards));
+  }
+
+  static F32x8 slab(F32x8 plane, F32x8 origin, F32x8 inverse) { return (plane - origin) * inverse; }
+};
+
+/// As renderers commonly do it.
+struct UnpaddedSlabs {
+  static void set_slabs(Axes origin, Axes, Axes inverse, Axes, TraversalRay& r) {
+    splat_axes(r.inverse, inverse);
+    // Finite: where it were not, empty slots of nodes would be met.
+    const Axes shift = _mm_mul_ps(_mm_xor_ps(_mm_set1_ps(-0.0f), origin), inverse);
+    const Axes most = _mm_set1_ps(kLargest);
+    splat_axes(r.near_origin, _mm_max_ps(_mm_min_ps(shift, most), _mm_set1_ps(-kLargest)));
+    for (int i = 0; i < 3; ++i) r.far_origin[i] = r.near_origin[i];
+  }
+
+  static F32x8 slab(F32x8 plane, F32x8 shift, F32x8 inverse) { return multiply_add(plane, inverse, shift); }
+};
+
+}  // namespace
+}  // namespace stbvh
