@@ -7,7 +7,8 @@ build_packages=(cmake ninja-build g++ git libembree-dev libtbb-dev libfmt-dev li
 test_packages=(libgtest-dev embree-tools pkgconf python3 xvfb libgl1-mesa-dri libx11-dev)
 processor_packages=(qemu-user)
 chart_packages=(python3-matplotlib)
-format_packages=(clang-format)
+rules_packages=(clang-format git python3)
+package_packages=(help2man dpkg-dev binutils)
 fuzz_packages=(clang-14 libclang-rt-14-dev)
 
 # ensure_packages PACKAGE...: installs those that are missing; touches neither apt nor the network if none is.
@@ -29,7 +30,7 @@ ensure_packages() {
   "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}"
 }
 
-# build_preset PRESET TARGET...: configures the preset (build/PRESET below the current folder), builds the targets there.
+# build_preset PRESET TARGET...: configures the preset (build/PRESET below the current folder) and builds the targets.
 build_preset() {
   local preset=$1
   shift

@@ -227,7 +227,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   a.options.threads = usable_core_count();
   CLI::App app("Our STBVH against Embree's own tree and LBVHs: speed, memory, and error against an oracle.",
                "stbvh-ab");
-  app.set_version_flag("--version", built_commit());
+  app.set_version_flag("--version", version_text("stbvh-ab"));
   app.require_subcommand(1);
   app.add_subcommand("list", "Names of scenes, structures and kinds of rays");
   add_bench(app, a);
@@ -240,6 +240,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   add_compare(app, a);
   add_truth_and_report(app, a);
   add_convert(app, a);
+  app.set_help_all_flag("--help-all", "Print the help of all commands and exit");
   if (!parse_command_line(app, argc, argv)) return std::nullopt;
   a.options.command_line = joined(argc, argv);
   return checked_options(std::move(a), *app.get_subcommands().front());

@@ -7,12 +7,29 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 #include <stdexcept>
 
 extern char** environ;  // NOLINT: POSIX declares it nowhere
 
 namespace stbvh::harness {
 namespace {
+
+namespace fs = std::filesystem;
+
+/// From the folder of the program: where scripts lie when it is installed, and in the build.
+constexpr const char* kScriptFolders[] = {STBVH_DATA_FOLDER "/stbvh/report", "report"};
+
+std::string find_script(const std::string& name) {
+  const fs::path program_folder = fs::read_symlink("/proc/self/exe").parent_path();
+  for (const char* folder : kScriptFolders) {
+    const fs::path script = (program_folder / folder / name).lexically_normal();
+    std::error_code ignored;
+    if (fs::exists(script, ignored)) return script.string();
+  }
+  throw std::runtime_error(fmt::format("{} is not there: it belongs into {}.", name,
+                                       (program_folder / kScriptFolders[0]).lexically_normal().string()));
+}
 
 /// Ctrl-C waits until the script takes it, in record_files.py: while Python starts, it would print where it
 /// was.
@@ -33,7 +50,7 @@ int spawn(pid_t& child, const std::vector<char*>& argv) {
 
 void run_script(const std::string& name, const std::vector<std::string>& arguments) {
   // -B: no compiled files beside the sources.
-  std::vector<std::string> words{"/usr/bin/python3", "-B", STBVH_SOURCE_DIR "/harness/report/" + name};
+  std::vector<std::string> words{"/usr/bin/python3", "-B", find_script(name)};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());

@@ -88,7 +88,7 @@ std::optional<PreviewOptions> parse_preview_options(int argc, const char* const*
   a.scene.options.threads = usable_core_count();
   CLI::App app("Scenes in a window, path-traced through our STBVH and others while you look.",
                "stbvh-preview");
-  app.set_version_flag("--version", built_commit());
+  app.set_version_flag("--version", version_text("stbvh-preview"));
   add_options(app, a);
   if (!parse_command_line(app, argc, argv)) return std::nullopt;
   return checked(std::move(a), app);

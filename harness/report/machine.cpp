@@ -59,4 +59,8 @@ std::string built_commit() {
   return STBVH_COMMIT;
 }
 
+std::string version_text(std::string_view program) {
+  return fmt::format("{} (STBVH for Embree) {} ({})", program, STBVH_PROJECT_VERSION, built_commit());
+}
+
 }  // namespace stbvh::harness

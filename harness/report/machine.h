@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 namespace stbvh::harness {
 
@@ -18,5 +19,8 @@ Machine this_machine();
 /// Git commit that the program was built from, with "-dirty" where files differed from it; "unknown" without
 /// git.
 std::string built_commit();
+
+/// What `program --version` prints: "stbvh-ab (STBVH for Embree) 0.1.0 (commit)".
+std::string version_text(std::string_view program);
 
 }  // namespace stbvh::harness

@@ -114,7 +114,12 @@ TEST(Program, ListsAndHelps) {
   EXPECT_EQ(stbvh_ab("bench --help").exit_code, 0);
   EXPECT_EQ(stbvh_ab("hard --help").exit_code, 0);
   EXPECT_NE(stbvh_ab("--help").out.find("hard"), std::string::npos);
-  EXPECT_EQ(stbvh_ab("--version").exit_code, 0);
+  const Outcome every_help = stbvh_ab("--help-all");
+  EXPECT_EQ(every_help.exit_code, 0);
+  EXPECT_NE(every_help.out.find("--build-budget"), std::string::npos);  // of bench
+  const Outcome version = stbvh_ab("--version");
+  EXPECT_EQ(version.exit_code, 0);
+  EXPECT_TRUE(version.out.starts_with("stbvh-ab (STBVH for Embree) ")) << version.out;
 }
 
 class Records : public TemporaryFolderTest {

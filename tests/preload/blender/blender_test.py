@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Blender's Cycles with the preload library and without it: the same pictures but for roundings. One frame of deforming meshes and
-instances at 3, 5, 9 and 33 time steps; three frames by one process with persistent data; shadows through moving transparent
-things. --figures prints time and peak memory of both instead. Exit code 77: Blender is not installed."""
+"""Blender's Cycles with the preload library and without it: the same pictures but for roundings. One frame of deforming
+meshes and instances at 3, 5, 9 and 33 time steps; three frames by one process with persistent data; shadows through
+moving transparent things. --figures prints time and peak memory of both instead. Exit code 77: Blender is not installed."""
 
 import argparse
 import json
