@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "harness/oracle/mesh_cull.h"
-#include "harness/oracle/triangle_test.h"
+#include "harness/oracle/ray_triangle.h"
 #include "harness/rays/ray_set.h"
 #include "harness/scenes/scene.h"
 

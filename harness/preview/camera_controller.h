@@ -1,7 +1,7 @@
 /// A camera that is moved by hand.
 #pragma once
 
-#include "harness/scenes/procedural/mesh_tools.h"
+#include "harness/scenes/procedural/shared/mesh_tools.h"
 #include "harness/scenes/scene.h"
 
 namespace stbvh::harness {
