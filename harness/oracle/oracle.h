@@ -12,8 +12,8 @@
 
 #include "harness/oracle/mesh_cull.h"
 #include "harness/oracle/ray_triangle.h"
-#include "harness/rays/ray_set.h"
 #include "harness/scenes/scene.h"
+#include "stbvh/structure.h"
 
 namespace stbvh::harness {
 

@@ -41,9 +41,9 @@
 #include <array>
 
 #include "harness/oracle/triangle_filter.h"
-#include "harness/rays/ray_set.h"
 #include "harness/scenes/moving_triangle.h"
 #include "harness/scenes/vec3.h"
+#include "stbvh/structure.h"
 
 namespace stbvh::harness {
 
