@@ -10,22 +10,22 @@
 namespace stbvh::harness {
 namespace {
 
-double length2(Point2 a) {
+double length2(Vec2 a) {
   return std::sqrt(a.x * a.x + a.y * a.y);
 }
 
 /// The point of the line segment a b that is nearest to the origin.
-Point2 nearest_on_edge(Point2 a, Point2 b) {
-  const Point2 e{b.x - a.x, b.y - a.y};
+Vec2 nearest_on_edge(Vec2 a, Vec2 b) {
+  const Vec2 e{b.x - a.x, b.y - a.y};
   const double squared = e.x * e.x + e.y * e.y;
   const double along = squared > 0 ? std::clamp(-(a.x * e.x + a.y * e.y) / squared, 0.0, 1.0) : 0.0;
   return {a.x + along * e.x, a.y + along * e.y};
 }
 
 /// The point of the triangle's edges that is nearest to the origin.
-Point2 nearest_on_edges(const std::array<Point2, 3>& s) {
+Vec2 nearest_on_edges(const std::array<Vec2, 3>& s) {
   return std::min({nearest_on_edge(s[0], s[1]), nearest_on_edge(s[1], s[2]), nearest_on_edge(s[2], s[0])},
-                  [](Point2 a, Point2 b) { return a.x * a.x + a.y * a.y < b.x * b.x + b.y * b.y; });
+                  [](Vec2 a, Vec2 b) { return a.x * a.x + a.y * a.y < b.x * b.x + b.y * b.y; });
 }
 
 /// Component by component.
@@ -98,9 +98,9 @@ class SeenTriangle {
     }
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t c = 0; c < 3; ++c) {
-      const Point2 a = across_[c];
-      const Point2 b = across_[(c + 1) % 3];
-      const Point2 normal{b.y - a.y, a.x - b.x};
+      const Vec2 a = across_[c];
+      const Vec2 b = across_[(c + 1) % 3];
+      const Vec2 normal{b.y - a.y, a.x - b.x};
       const double size = length2(normal);
       const double distance = size > 0 ? std::abs(a.x * normal.x + a.y * normal.y) / size : 0;
       const double ratio = distance / rounding(normal);
@@ -165,7 +165,7 @@ class SeenTriangle {
 
  private:
   /// How far a corner can move in the direction of `a`, of any length, across the ray.
-  double rounding(Point2 a) const {
+  double rounding(Vec2 a) const {
     const double size = length2(a);
     if (size == 0) return length(movement_across_) + double_error_;
     const Vec3 direction = (a.x * ray_.across_x + a.y * ray_.across_y) * (1 / size);
@@ -191,9 +191,9 @@ class SeenTriangle {
   const Mesh& mesh_;
   std::size_t prim_;
   std::array<Vec3, 3> q_;  ///< corners as seen from the origin
-  std::array<Point2, 3> across_;
+  std::array<Vec2, 3> across_;
   std::array<double, 3> z_;  ///< distances along the ray, measured on its largest axis
-  Point2 nearest_;
+  Vec2 nearest_;
   Vec3 movement_;         ///< of corners as seen from the origin, in each coordinate
   Vec3 movement_across_;  ///< the same where only the place across the ray counts
   double double_error_ = 0;

@@ -80,7 +80,7 @@ class StrandWriter {
         triangle_normal(rest[strand.corners[0]], rest[strand.corners[1]], rest[strand.corners[2]]);
     const Vec3 normal =
         triangle_normal(posed[strand.corners[0]], posed[strand.corners[1]], posed[strand.corners[2]]);
-    const Quat turn = frame_turn(strand, rest, rest_normal, posed, normal);
+    const Quaternion turn = frame_turn(strand, rest, rest_normal, posed, normal);
     Pcg32 random(settings_.seed, 2 * std::uint64_t{strand.number} + 1);
     const Vec3 jitter{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
     const double reach = strand.fur.length * random.uniform(0.7, 1.15);
@@ -115,11 +115,12 @@ class StrandWriter {
 
  private:
   /// The turn of the root's triangle from rest to its posed place.
-  static Quat frame_turn(const Strand& strand, const std::vector<Vec3>& rest, Vec3 rest_normal,
-                         const std::vector<Vec3>& posed, Vec3 normal) {
+  static Quaternion frame_turn(const Strand& strand, const std::vector<Vec3>& rest, Vec3 rest_normal,
+                               const std::vector<Vec3>& posed, Vec3 normal) {
     const Vec3 axis = cross(rest_normal, normal);
     const double sine = length(axis);
-    const Quat tilt = sine > 1e-9 ? axis_angle(axis, std::atan2(sine, dot(rest_normal, normal))) : Quat{};
+    const Quaternion tilt =
+        sine > 1e-9 ? axis_angle(axis, std::atan2(sine, dot(rest_normal, normal))) : Quaternion{};
     const Vec3 from = rotate(tilt, normalize(rest[strand.corners[1]] - rest[strand.corners[0]]));
     const Vec3 to = normalize(posed[strand.corners[1]] - posed[strand.corners[0]]);
     return axis_angle(normal, std::atan2(dot(normal, cross(from, to)), dot(from, to))) * tilt;

@@ -106,7 +106,7 @@ ImplicitBody make_body(const Skeleton& s) {
 /// A walk through about a twelfth of its cycle, the head turning towards the camera.
 Pose walk(const Skeleton& s, double time) {
   constexpr Vec3 kX{1, 0, 0}, kY{0, 1, 0}, kZ{0, 0, 1};
-  Pose pose{std::vector<Quat>(s.rest.size()), {}};
+  Pose pose{std::vector<Quaternion>(s.rest.size()), {}};
   const double cycle = 0.6 + 0.55 * time;
   const auto step = [&](std::size_t leg, double offset, double bend) {
     const double swing = std::sin(cycle + offset);

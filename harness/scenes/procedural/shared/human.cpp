@@ -202,7 +202,7 @@ std::size_t mirrored(std::size_t joint) {
 }
 
 Pose rest_pose() {
-  return {std::vector<Quat>(kHumanJoints), {}};
+  return {std::vector<Quaternion>(kHumanJoints), {}};
 }
 
 Pose standing_pose() {
@@ -225,9 +225,9 @@ Pose walking_pose(double phase, double stride) {
         axis_angle(kX, stride * (0.18 + 0.85 * lift * lift + 0.1 * leg * leg));
     pose.turns[left ? kAnkleL : kAnkleR] = axis_angle(kX, stride * (-0.25 * leg - 0.1 * lift));
     pose.turns[left ? kToeL : kToeR] = axis_angle(kX, -stride * 0.5 * std::fmax(0.0, -leg));
-    const Quat down = pose.turns[left ? kShoulderL : kShoulderR];
+    const Quaternion down = pose.turns[left ? kShoulderL : kShoulderR];
     pose.turns[left ? kShoulderL : kShoulderR] = axis_angle(kX, stride * 0.55 * leg) * down;
-    const Quat bend = axis_angle(kX, -0.25 - stride * 0.3 * std::fmax(0.0, -leg));
+    const Quaternion bend = axis_angle(kX, -0.25 - stride * 0.3 * std::fmax(0.0, -leg));
     pose.turns[left ? kElbowL : kElbowR] = conjugate(down) * bend * down;
   }
   pose.turns[kPelvis] = axis_angle(kY, -0.12 * stride * swing) * axis_angle(kZ, 0.04 * std::cos(phase));

@@ -29,7 +29,7 @@ Rigid along_axis(Vec3 origin, Vec3 axis) {
   const Vec3 to = normalize(axis);
   const double cosine = to.y;
   const Vec3 turn = cross(Vec3{0, 1, 0}, to);
-  if (length(turn) < 1e-9) return {cosine > 0 ? Quat{} : axis_angle({1, 0, 0}, kPi), origin};
+  if (length(turn) < 1e-9) return {cosine > 0 ? Quaternion{} : axis_angle({1, 0, 0}, kPi), origin};
   return {axis_angle(normalize(turn), std::acos(std::clamp(cosine, -1.0, 1.0))), origin};
 }
 

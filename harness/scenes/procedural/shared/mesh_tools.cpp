@@ -40,32 +40,12 @@ Vec3 tangent_at(const std::vector<TubeSection>& sections, std::size_t i) {
 
 }  // namespace
 
-Quat axis_angle(Vec3 axis, double radians) {
-  const Vec3 n = normalize(axis) * std::sin(radians / 2);
-  return {std::cos(radians / 2), n.x, n.y, n.z};
-}
-
-Quat operator*(Quat a, Quat b) {
-  return {a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z, a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-          a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
-}
-
-Quat conjugate(Quat a) {
-  return {a.w, -a.x, -a.y, -a.z};
-}
-
-Vec3 rotate(Quat q, Vec3 v) {
-  const Vec3 n{q.x, q.y, q.z};
-  const Vec3 t = cross(n, v) * 2.0;
-  return v + t * q.w + cross(n, t);
-}
-
-Quat align(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
+Quaternion align(Vec3 a, Vec3 b, Vec3 c, Vec3 d) {
   a = normalize(a);
   c = normalize(c);
   const Vec3 axis = cross(a, c);
   const double sine = length(axis);
-  const Quat first = axis_angle(sine > 1e-9 ? axis : perpendicular(a), std::atan2(sine, dot(a, c)));
+  const Quaternion first = axis_angle(sine > 1e-9 ? axis : perpendicular(a), std::atan2(sine, dot(a, c)));
   const Vec3 from = rotate(first, normalize(b - a * dot(a, b)));
   const Vec3 to = normalize(d - c * dot(c, d));
   return axis_angle(c, std::atan2(dot(c, cross(from, to)), dot(from, to))) * first;
@@ -76,7 +56,7 @@ Rigid operator*(const Rigid& a, const Rigid& b) {
 }
 
 Rigid inverse(const Rigid& a) {
-  const Quat q = conjugate(a.rotation);
+  const Quaternion q = conjugate(a.rotation);
   return {q, -rotate(q, a.translation)};
 }
 

@@ -1,4 +1,4 @@
-/// Rotations and surfaces from which the procedural scenes are made.
+/// Motions and surfaces from which the procedural scenes are made.
 ///
 /// Scenes are worked out in double precision and stored as float, so that a scene is the same whatever the
 /// compiler contracts or the number of threads is.
@@ -16,26 +16,18 @@
 
 #include "harness/scenes/cancellation.h"
 #include "harness/scenes/pcg32.h"
+#include "harness/scenes/quaternion.h"
 #include "harness/scenes/scene.h"
 #include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {
 
-/// Unit quaternion.
-struct Quat {
-  double w = 1, x = 0, y = 0, z = 0;
-};
-
-Quat axis_angle(Vec3 axis, double radians);
-Quat operator*(Quat a, Quat b);
-Quat conjugate(Quat a);
-Vec3 rotate(Quat q, Vec3 v);
 /// The turn that takes the pair (a, b) of directions to (c, d), b and d made perpendicular to a and c.
-Quat align(Vec3 a, Vec3 b, Vec3 c, Vec3 d);
+Quaternion align(Vec3 a, Vec3 b, Vec3 c, Vec3 d);
 
 /// Rotation, then translation.
 struct Rigid {
-  Quat rotation;
+  Quaternion rotation;
   Vec3 translation;
 
   Vec3 apply(Vec3 p) const { return rotate(rotation, p) + translation; }
@@ -45,7 +37,7 @@ struct Rigid {
 Rigid operator*(const Rigid& a, const Rigid& b);
 Rigid inverse(const Rigid& a);
 inline Rigid translation(Vec3 t) {
-  return {Quat{}, t};
+  return {Quaternion{}, t};
 }
 inline Rigid rotation(Vec3 axis, double radians) {
   return {axis_angle(axis, radians), Vec3{}};
@@ -111,24 +103,30 @@ inline double step_time(std::size_t k, std::size_t steps) {
   return steps > 1 ? static_cast<double>(k) / static_cast<double>(steps - 1) : 0.0;
 }
 
-/// Fills steps of `vertex_count` vertices: position(vertex, time) -> Vec3, called from many threads at once;
-/// the result does not depend on how many.
+/// Steps of `vertex_count` vertices: position(vertex, step) -> Vec3, called from many threads at once; the
+/// result does not depend on how many.
 template <class Position>
-std::vector<VertexBuffer> evaluate_steps(std::size_t vertex_count, std::size_t steps,
-                                         const Position& position) {
+std::vector<VertexBuffer> make_steps(std::size_t vertex_count, std::size_t steps, const Position& position) {
   std::vector<VertexBuffer> buffers;
   buffers.reserve(steps);
   for (std::size_t k = 0; k < steps; ++k) {
     VertexBuffer& buffer = buffers.emplace_back(vertex_count);
-    const double time = step_time(k, steps);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, vertex_count, 1024),
                       [&](const tbb::blocked_range<std::size_t>& range) {
                         for (std::size_t i = range.begin(); i < range.end(); ++i)
-                          buffer[i] = to_float(position(i, time));
+                          buffer[i] = to_float(position(i, k));
                       });
     check_cancelled();
   }
   return buffers;
+}
+
+/// The same for position(vertex, time) -> Vec3.
+template <class Position>
+std::vector<VertexBuffer> evaluate_steps(std::size_t vertex_count, std::size_t steps,
+                                         const Position& position) {
+  return make_steps(vertex_count, steps,
+                    [&](std::size_t i, std::size_t k) { return position(i, step_time(k, steps)); });
 }
 
 /// A mesh of `shape`'s triangles whose vertices move as motion(rest position, vertex, time) -> Vec3 says.

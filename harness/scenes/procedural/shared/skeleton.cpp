@@ -91,15 +91,9 @@ Mesh skin(std::string name, const SkinnedShape& skinned, const std::vector<std::
   mesh.indices = skinned.shape.indices;
   mesh.material.color = color;
   const std::vector<Vec3>& rest = skinned.shape.positions;
-  for (const std::vector<Rigid>& at_step : transforms) {
-    VertexBuffer& buffer = mesh.steps.emplace_back(rest.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rest.size(), 1024),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                        for (std::size_t i = range.begin(); i < range.end(); ++i)
-                          buffer[i] = to_float(skin_point(rest[i], skinned.weights[i], at_step));
-                      });
-    check_cancelled();
-  }
+  mesh.steps = make_steps(rest.size(), transforms.size(), [&](std::size_t i, std::size_t k) {
+    return skin_point(rest[i], skinned.weights[i], transforms[k]);
+  });
   return mesh;
 }
 

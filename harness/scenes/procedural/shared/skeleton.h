@@ -23,8 +23,8 @@ struct Skeleton {
 
 /// How each joint is turned against its parent, and where the root goes.
 struct Pose {
-  std::vector<Quat> turns;  ///< by joint, about its own position
-  Rigid root;               ///< after the root joint's own turn
+  std::vector<Quaternion> turns;  ///< by joint, about its own position
+  Rigid root;                     ///< after the root joint's own turn
 };
 
 /// For each joint, the motion from the rest position to `pose`.

@@ -225,7 +225,7 @@ void add_steam(TrainParts& train, std::uint64_t seed) {
     const Motion drift = [=](double time) -> PointMap {
       const Vec3 at = center(age + 0.045 * time);
       const double swell = 1 + 0.12 * time;
-      const Quat curl = axis_angle({0.2, 0.3, 1}, 0.5 * time);
+      const Quaternion curl = axis_angle({0.2, 0.3, 1}, 0.5 * time);
       return [=](Vec3 p) { return at + rotate(curl, p * swell); };
     };
     const auto lumpy = [=](double u, double v) {
