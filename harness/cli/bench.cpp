@@ -2,7 +2,7 @@
 
 #include "harness/cli/commands.h"
 #include "harness/cli/scene_bench.h"
-#include "harness/cli/session.h"
+#include "harness/program/session.h"
 #include "harness/report/summary.h"
 #include "harness/report/table.h"
 

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "harness/cli/commands.h"
-#include "harness/cli/script.h"
+#include "harness/program/script.h"
 
 namespace stbvh::harness {
 

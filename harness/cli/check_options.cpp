@@ -8,12 +8,12 @@
 #include <iterator>
 #include <span>
 
-#include "harness/cli/closest_name.h"
-#include "harness/cli/pinned_threads.h"
 #include "harness/cli/render_options.h"
 #include "harness/cli/report_options.h"
-#include "harness/cli/usage_error.h"
 #include "harness/hard_cases/hard_case.h"
+#include "harness/program/closest_name.h"
+#include "harness/program/pinned_threads.h"
+#include "harness/program/usage_error.h"
 #include "harness/rays/ray_generator.h"
 #include "harness/scenes/procedural/procedural.h"
 #include "harness/scenes/reach.h"

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "harness/cli/program.h"
 #include "harness/hard_cases/hard_case.h"
+#include "harness/program/program.h"
 #include "harness/rays/ray_generator.h"
 #include "harness/scenes/procedural/procedural.h"
 #include "harness/structures/structure_under_test.h"

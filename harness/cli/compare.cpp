@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 
 #include "harness/cli/commands.h"
-#include "harness/cli/scene_source.h"
-#include "harness/cli/session.h"
 #include "harness/images/exr_file.h"
 #include "harness/images/flip.h"
 #include "harness/images/heat_map.h"
 #include "harness/images/png_file.h"
+#include "harness/program/scene_source.h"
+#include "harness/program/session.h"
 #include "harness/report/records.h"
 #include "plugin/files/output_file.h"
 

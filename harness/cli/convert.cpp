@@ -5,9 +5,9 @@
 #include <system_error>
 
 #include "harness/cli/commands.h"
-#include "harness/cli/progress.h"
-#include "harness/cli/scene_source.h"
-#include "harness/cli/usage_error.h"
+#include "harness/program/progress.h"
+#include "harness/program/scene_source.h"
+#include "harness/program/usage_error.h"
 #include "harness/scenes/embree_xml/writer.h"
 #include "plugin/files/output_file.h"
 

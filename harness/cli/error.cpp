@@ -5,11 +5,11 @@
 
 #include "harness/cli/commands.h"
 #include "harness/cli/distance_figures.h"
-#include "harness/cli/pinned_threads.h"
-#include "harness/cli/session.h"
-#include "harness/cli/trace.h"
 #include "harness/cli/wrong_answers.h"
 #include "harness/oracle/judge.h"
+#include "harness/program/pinned_threads.h"
+#include "harness/program/session.h"
+#include "harness/program/trace.h"
 #include "harness/report/table.h"
 
 namespace stbvh::harness {

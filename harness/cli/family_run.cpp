@@ -5,9 +5,9 @@
 #include <map>
 
 #include "harness/cli/distance_figures.h"
-#include "harness/cli/session.h"
-#include "harness/cli/trace.h"
 #include "harness/hard_cases/judged_case.h"
+#include "harness/program/session.h"
+#include "harness/program/trace.h"
 
 namespace stbvh::harness {
 namespace {

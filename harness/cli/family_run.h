@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "harness/cli/options.h"
-#include "harness/cli/pinned_threads.h"
-#include "harness/cli/progress.h"
 #include "harness/hard_cases/hard_case.h"
+#include "harness/program/pinned_threads.h"
+#include "harness/program/progress.h"
 #include "harness/report/records.h"
 
 namespace stbvh::harness {

@@ -4,10 +4,10 @@
 
 #include "harness/cli/commands.h"
 #include "harness/cli/family_run.h"
-#include "harness/cli/pinned_threads.h"
-#include "harness/cli/session.h"
 #include "harness/cli/wrong_answers.h"
 #include "harness/hard_cases/hard_case.h"
+#include "harness/program/pinned_threads.h"
+#include "harness/program/session.h"
 #include "harness/report/machine.h"
 #include "harness/report/table.h"
 #include "plugin/files/output_file.h"

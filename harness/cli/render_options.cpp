@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "harness/cli/usage_error.h"
+#include "harness/program/usage_error.h"
 #include "harness/scenes/reach.h"
 
 namespace stbvh::harness {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "harness/cli/render_options.h"
-#include "harness/cli/usage_error.h"
+#include "harness/program/usage_error.h"
 
 namespace stbvh::harness {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "harness/cli/commands.h"
 #include "harness/cli/scene_bench.h"
-#include "harness/cli/session.h"
-#include "harness/cli/usage_error.h"
+#include "harness/program/session.h"
+#include "harness/program/usage_error.h"
 #include "harness/report/machine.h"
 #include "harness/report/table.h"
 #include "harness/scenes/procedural/procedural.h"

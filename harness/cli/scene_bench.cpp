@@ -7,8 +7,8 @@
 #include <iterator>
 #include <map>
 
-#include "harness/cli/session.h"
-#include "harness/cli/trace.h"
+#include "harness/program/session.h"
+#include "harness/program/trace.h"
 #include "harness/report/table.h"
 #include "harness/structures/memory_estimate.h"
 

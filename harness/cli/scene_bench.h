@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "harness/cli/options.h"
-#include "harness/cli/progress.h"
+#include "harness/program/progress.h"
 #include "harness/report/records.h"
 #include "harness/scenes/scene.h"
 

@@ -9,13 +9,13 @@
 #include <vector>
 
 #include "harness/cli/commands.h"
-#include "harness/cli/interruption.h"
-#include "harness/cli/make_folder.h"
 #include "harness/cli/report_pictures.h"
-#include "harness/cli/session.h"
 #include "harness/images/exr_file.h"
 #include "harness/path_tracer/frozen_times.h"
 #include "harness/path_tracer/render.h"
+#include "harness/program/interruption.h"
+#include "harness/program/make_folder.h"
+#include "harness/program/session.h"
 #include "plugin/files/output_file.h"
 
 namespace stbvh::harness {

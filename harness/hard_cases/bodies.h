@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <functional>
 
-#include "harness/scenes/procedural/mesh_tools.h"
+#include "harness/scenes/procedural/shared/mesh_tools.h"
 #include "harness/scenes/scene.h"
 
 namespace stbvh::harness {

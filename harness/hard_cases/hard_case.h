@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "harness/rays/ray_set.h"
 #include "harness/scenes/scene.h"
+#include "stbvh/structure.h"
 
 namespace stbvh::harness {
 

@@ -7,7 +7,7 @@
 
 #include "harness/microbenchmarks/benchmarks.h"
 #include "harness/rays/ray_generator.h"
-#include "harness/scenes/procedural/mesh_tools.h"
+#include "harness/scenes/procedural/shared/mesh_tools.h"
 #include "harness/structures/structure_under_test.h"
 #include "stbvh/structure.h"
 

@@ -18,8 +18,8 @@
 #include <array>
 #include <cstddef>
 
-#include "harness/rays/ray_set.h"
 #include "harness/scenes/scene.h"
+#include "stbvh/structure.h"
 
 namespace stbvh::harness {
 

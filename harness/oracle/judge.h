@@ -8,6 +8,7 @@
 
 #include "harness/oracle/oracle.h"
 #include "harness/rays/ray_set.h"
+#include "harness/structures/hit_record.h"
 
 namespace stbvh::harness {
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "harness/oracle/triangle_test.h"
+#include "harness/oracle/ray_triangle.h"
 #include "harness/scenes/scene.h"
 
 namespace stbvh::harness {

@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "harness/oracle/mesh_cull.h"
-#include "harness/oracle/triangle_test.h"
-#include "harness/rays/ray_set.h"
+#include "harness/oracle/ray_triangle.h"
 #include "harness/scenes/scene.h"
+#include "stbvh/structure.h"
 
 namespace stbvh::harness {
 

@@ -7,12 +7,12 @@ namespace stbvh::harness {
 namespace {
 
 /// Not less than the length.
-double size(Point2 a) {
+double size(Vec2 a) {
   return std::abs(a.x) + std::abs(a.y);
 }
 
 /// Sign of the edge function, 0 if unknown.
-int certain_side(Point2 a, Point2 b, double error) {
+int certain_side(Vec2 a, Vec2 b, double error) {
   const double w = a.x * b.y - a.y * b.x;
   const double bound = error * (size(a) + size(b) + error);
   return w > bound ? 1 : w < -bound ? -1 : 0;
@@ -20,10 +20,10 @@ int certain_side(Point2 a, Point2 b, double error) {
 
 }  // namespace
 
-Covering certain_covering(const std::array<Point2, 3>& corners, Point2 nearest, double error) {
+Covering certain_covering(const std::array<Vec2, 3>& corners, Vec2 nearest, double error) {
   const double bound = error * size(nearest);
   const bool is_apart = std::all_of(corners.begin(), corners.end(),
-                                    [&](Point2 s) { return s.x * nearest.x + s.y * nearest.y > bound; });
+                                    [&](Vec2 s) { return s.x * nearest.x + s.y * nearest.y > bound; });
   if (is_apart) return Covering::kOutside;
   const int side = certain_side(corners[1], corners[2], error);
   const bool is_around = side != 0 && side == certain_side(corners[2], corners[0], error) &&

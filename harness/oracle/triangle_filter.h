@@ -34,16 +34,12 @@ namespace stbvh::harness {
 /// Of 3 * 2^-23 L + M: how far double arithmetic may misplace a corner, as derived above.
 inline constexpr double kDoubleError = 0x1p-24;
 
-/// A corner as seen along the ray, which is at the origin.
-struct Point2 {
-  double x = 0, y = 0;
-};
-
 enum class Covering { kOutside, kInside, kUnknown };
 
-/// Whether the ray's line meets the closed triangle. `nearest` is the triangle's point nearest to the line,
-/// or any other point: it only helps to find an answer.
-Covering certain_covering(const std::array<Point2, 3>& corners, Point2 nearest, double error);
+/// Whether the ray's line meets the closed triangle, corners as seen along the ray, which is at the origin.
+/// `nearest` is the triangle's point nearest to the line, or any other point: it only helps to find an
+/// answer.
+Covering certain_covering(const std::array<Vec2, 3>& corners, Vec2 nearest, double error);
 
 struct Interval {
   double lower = 0, upper = 0;

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
-#include "harness/rays/ray_set.h"
 #include "harness/scenes/scene.h"
 #include "harness/scenes/vec3.h"
+#include "stbvh/structure.h"
 
 namespace stbvh::harness {
 

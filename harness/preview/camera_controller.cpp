@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "harness/scenes/quaternion.h"
 #include "harness/scenes/reach.h"
 
 namespace stbvh::harness {
@@ -35,7 +36,7 @@ void CameraController::orbit(double right_degrees, double up_degrees) {
   const double turn = std::clamp(above + up_degrees * kPi / 180, std::min(above, kLeastAngle),
                                  std::max(above, kPi - kLeastAngle)) -
                       above;
-  const Quat rotation = axis_angle(up_, right_degrees * kPi / 180) * axis_angle(right(), -turn);
+  const Quaternion rotation = axis_angle(up_, right_degrees * kPi / 180) * axis_angle(right(), -turn);
   position_ = pivot_ + rotate(rotation, position_ - pivot_);
   forward_ = normalize(rotate(rotation, forward_));
 }

@@ -1,8 +1,8 @@
 /// A camera that is moved by hand.
 #pragma once
 
-#include "harness/scenes/procedural/mesh_tools.h"
 #include "harness/scenes/scene.h"
+#include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include "harness/cli/usage_error.h"
+#include "harness/program/usage_error.h"
 #include "harness/scenes/moving_triangle.h"
 #include "harness/scenes/procedural/procedural.h"
 

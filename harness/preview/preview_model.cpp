@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <utility>
 
-#include "harness/cli/closest_name.h"
-#include "harness/cli/picture_metadata.h"
-#include "harness/cli/scene_source.h"
-#include "harness/cli/usage_error.h"
 #include "harness/images/exr_file.h"
 #include "harness/images/png_file.h"
 #include "harness/preview/render_command.h"
+#include "harness/program/closest_name.h"
+#include "harness/program/picture_metadata.h"
+#include "harness/program/scene_source.h"
+#include "harness/program/usage_error.h"
 #include "harness/rays/ray_generator.h"
 #include "harness/scenes/scene_file.h"
 #include "plugin/files/output_file.h"

@@ -6,11 +6,11 @@
 #include <utility>
 
 #include "harness/cli/check_options.h"
-#include "harness/cli/pinned_threads.h"
 #include "harness/cli/render_options.h"
-#include "harness/cli/scene_options.h"
-#include "harness/cli/usage_error.h"
 #include "harness/preview/shown_picture.h"
+#include "harness/program/pinned_threads.h"
+#include "harness/program/scene_options.h"
+#include "harness/program/usage_error.h"
 #include "harness/report/machine.h"
 
 namespace stbvh::harness {

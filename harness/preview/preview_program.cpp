@@ -9,14 +9,14 @@
 #include <optional>
 #include <utility>
 
-#include "harness/cli/program.h"
-#include "harness/cli/usage_error.h"
 #include "harness/images/png_file.h"
 #include "harness/preview/frame_times.h"
 #include "harness/preview/panels.h"
 #include "harness/preview/preview_options.h"
 #include "harness/preview/preview_script.h"
 #include "harness/preview/window.h"
+#include "harness/program/program.h"
+#include "harness/program/usage_error.h"
 #include "plugin/files/output_file.h"
 
 namespace stbvh::harness {

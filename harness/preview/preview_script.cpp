@@ -10,9 +10,9 @@
 #include <sstream>
 #include <string_view>
 
-#include "harness/cli/closest_name.h"
-#include "harness/cli/usage_error.h"
 #include "harness/files/input_file.h"
+#include "harness/program/closest_name.h"
+#include "harness/program/usage_error.h"
 #include "harness/scenes/reach.h"
 #include "plugin/files/output_file.h"
 

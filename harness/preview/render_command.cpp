@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-#include "harness/cli/scene_options.h"
+#include "harness/program/scene_options.h"
 
 namespace stbvh::harness {
 namespace {

@@ -13,8 +13,8 @@
 #include <string>
 #include <thread>
 
-#include "harness/cli/scene_source.h"
 #include "harness/preview/growing_picture.h"
+#include "harness/program/scene_source.h"
 
 namespace stbvh::harness {
 

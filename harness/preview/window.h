@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "harness/cli/usage_error.h"
 #include "harness/images/image.h"
+#include "harness/program/usage_error.h"
 
 struct GLFWwindow;
 

@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "harness/rays/ray_set.h"
 #include "harness/scenes/pcg32.h"
 #include "harness/scenes/scene.h"
 #include "harness/scenes/vec3.h"
+#include "stbvh/structure.h"
 
 namespace stbvh::harness {
 

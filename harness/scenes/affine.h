@@ -5,18 +5,19 @@
 #include <cstddef>
 #include <span>
 
+#include "harness/scenes/vec3.h"
+
 namespace stbvh::harness {
 
 /// Rows of a 3x4 matrix: p -> A p + t.
 struct Affine {
   std::array<std::array<double, 4>, 3> row{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}};
 
-  std::array<double, 3> apply(const std::array<double, 3>& p) const {
-    std::array<double, 3> q;
-    for (std::size_t i = 0; i < 3; ++i) {
-      q[i] = row[i][0] * p[0] + row[i][1] * p[1] + row[i][2] * p[2] + row[i][3];
-    }
-    return q;
+  Vec3 apply(Vec3 p) const {
+    const auto along = [&](const std::array<double, 4>& r) {
+      return r[0] * p.x + r[1] * p.y + r[2] * p.z + r[3];
+    };
+    return {along(row[0]), along(row[1]), along(row[2])};
   }
 
   void add_scaled(const Affine& other, double factor) {

@@ -10,6 +10,9 @@ namespace stbvh::harness {
 
 inline constexpr double kPi = std::numbers::pi;
 
+struct Vec2 {
+  double x = 0, y = 0;
+};
 struct Vec3 {
   double x = 0, y = 0, z = 0;
 };

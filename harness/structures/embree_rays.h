@@ -4,7 +4,7 @@
 
 #include <embree3/rtcore.h>
 
-#include "harness/rays/ray_set.h"
+#include "harness/structures/hit_record.h"
 
 namespace stbvh::harness {
 

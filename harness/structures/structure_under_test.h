@@ -9,8 +9,8 @@
 #include <string_view>
 #include <vector>
 
-#include "harness/rays/ray_set.h"
 #include "harness/scenes/scene.h"
+#include "harness/structures/hit_record.h"
 
 namespace stbvh::harness {
 

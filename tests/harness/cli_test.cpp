@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
-#include "harness/cli/closest_name.h"
-#include "harness/cli/pinned_threads.h"
-#include "harness/cli/program.h"
-#include "harness/cli/usage_error.h"
 #include "harness/cli/wrong_answers.h"
+#include "harness/program/closest_name.h"
+#include "harness/program/pinned_threads.h"
+#include "harness/program/program.h"
+#include "harness/program/usage_error.h"
 #include "tests/harness/run_stbvh_ab.h"
 #include "tests/harness/temporary_folder.h"
 
@@ -68,7 +68,7 @@ INSTANTIATE_TEST_SUITE_P(
         "report -o /proc/none", "report -o ''", "report --structures stbhv -o /tmp/none",
         "report --scenes no-such -o /tmp/none"));
 
-// cli_test begins as the programs do: harness/cli/program.cpp is in it.
+// cli_test begins as the programs do: harness/program/program.cpp is in it.
 TEST(ProgramDeathTest, WithoutMemoryForGmpEndsInOneLine) {
   const auto take_two_gigabytes = [] {
     const rlimit limit{std::size_t{1} << 30, std::size_t{1} << 30};

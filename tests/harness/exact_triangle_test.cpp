@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "harness/oracle/oracle.h"
-#include "harness/oracle/triangle_test.h"
+#include "harness/oracle/ray_triangle.h"
 #include "tests/harness/test_scenes.h"
 
 namespace stbvh::harness {

@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "harness/path_tracer/lights.h"
-#include "harness/scenes/procedural/mesh_tools.h"
+#include "harness/scenes/procedural/shared/mesh_tools.h"
 #include "tests/harness/picture_scenes.h"
 
 namespace stbvh::harness {

@@ -1,13 +1,13 @@
 /// What command lines are read as.
 #include "harness/cli/options.h"
-#include "harness/cli/usage_error.h"
+#include "harness/program/usage_error.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
 
-#include "harness/cli/pinned_threads.h"
+#include "harness/program/pinned_threads.h"
 #include "harness/scenes/procedural/procedural.h"
 
 namespace stbvh::harness {

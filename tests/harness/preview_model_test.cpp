@@ -5,7 +5,6 @@
 #include <cmath>
 #include <set>
 
-#include "harness/cli/usage_error.h"
 #include "harness/images/tone_map.h"
 #include "harness/path_tracer/render.h"
 #include "harness/preview/animation.h"
@@ -13,6 +12,7 @@
 #include "harness/preview/growing_picture.h"
 #include "harness/preview/preview_script.h"
 #include "harness/preview/view_composer.h"
+#include "harness/program/usage_error.h"
 #include "tests/harness/test_scenes.h"
 
 namespace stbvh::harness {

@@ -10,9 +10,9 @@
 #include <string>
 #include <thread>
 
-#include "harness/cli/usage_error.h"
 #include "harness/images/exr_file.h"
 #include "harness/preview/preview_model.h"
+#include "harness/program/usage_error.h"
 #include "tests/harness/run_stbvh_ab.h"
 #include "tests/harness/temporary_folder.h"
 

@@ -13,11 +13,11 @@
 #include <utility>
 #include <vector>
 
-#include "harness/scenes/procedural/body_cage.h"
-#include "harness/scenes/procedural/implicit_body.h"
-#include "harness/scenes/procedural/mesh_tools.h"
+#include "harness/scenes/procedural/barbarian/body_cage.h"
 #include "harness/scenes/procedural/procedural.h"
 #include "harness/scenes/procedural/scene_plan.h"
+#include "harness/scenes/procedural/shared/implicit_body.h"
+#include "harness/scenes/procedural/shared/mesh_tools.h"
 #include "stbvh/mesh_view.h"
 
 namespace stbvh::harness {

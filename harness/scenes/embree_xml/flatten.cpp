@@ -86,8 +86,8 @@ VertexBuffer placed_step(const Mesh& mesh, Between at, const Affine& map) {
   };
   VertexBuffer result(from.size());
   for (std::size_t i = 0; i < from.size(); ++i) {
-    const auto p = map.apply({lerp(from[i].x, to[i].x), lerp(from[i].y, to[i].y), lerp(from[i].z, to[i].z)});
-    result[i] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+    result[i] =
+        to_float(map.apply({lerp(from[i].x, to[i].x), lerp(from[i].y, to[i].y), lerp(from[i].z, to[i].z)}));
   }
   return result;
 }

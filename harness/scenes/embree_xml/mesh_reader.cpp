@@ -42,15 +42,15 @@ void check_indices(pugi::xml_node element, const std::vector<std::uint32_t>& ind
 }
 
 Mesh lamp(Document& document, pugi::xml_node element, std::vector<std::uint32_t> indices,
-          std::span<const std::array<double, 3>> corners) {
+          std::span<const Vec3> corners) {
   const Affine space = read_affine_space(document, element.child("AffineSpace"));
   Mesh mesh;
   mesh.indices = std::move(indices);
   VertexBuffer& step = mesh.steps.emplace_back(corners.size());
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const auto p = space.apply(corners[i]);
-    step[i] = {static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
-    for (const double x : p) {
+    const Vec3 p = space.apply(corners[i]);
+    step[i] = to_float(p);
+    for (const double x : {p.x, p.y, p.z}) {
       if (!is_within_reach(x)) fail(element, "a <{}> is too far away", element.name());
     }
   }
@@ -65,7 +65,7 @@ Affine rotation(std::span<const float> axis, std::span<const float> point, float
   if (!(length > 0)) fail(at, "an <AffineSpace> turns about an axis without length");
   const std::array<double, 3> a{static_cast<double>(axis[0]) / length, static_cast<double>(axis[1]) / length,
                                 static_cast<double>(axis[2]) / length};
-  const double angle = static_cast<double>(degrees) * 3.14159265358979323846 / 180;
+  const double angle = static_cast<double>(degrees) * kPi / 180;
   const double c = std::cos(angle), s = std::sin(angle);
   Affine r;  // Rodrigues' formula
   for (std::size_t i = 0; i < 3; ++i) {
@@ -76,10 +76,10 @@ Affine rotation(std::span<const float> axis, std::span<const float> point, float
     r.row[j][k] -= s * a[i];
     r.row[k][j] += s * a[i];
   }
-  const std::array<double, 3> p{static_cast<double>(point[0]), static_cast<double>(point[1]),
-                                static_cast<double>(point[2])};
-  const std::array<double, 3> turned = r.apply(p);
-  for (std::size_t i = 0; i < 3; ++i) r.row[i][3] = p[i] - turned[i];
+  const Vec3 p = to_double({point[0], point[1], point[2]}), moved = p - r.apply(p);
+  r.row[0][3] = moved.x;
+  r.row[1][3] = moved.y;
+  r.row[2][3] = moved.z;
   return r;
 }
 
@@ -152,12 +152,12 @@ Mesh read_quad_mesh(Document& document, pugi::xml_node element) {
 }
 
 Mesh read_quad_light(Document& document, pugi::xml_node element) {
-  constexpr std::array<std::array<double, 3>, 4> kCorners{{{0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}}};
+  constexpr std::array<Vec3, 4> kCorners{{{0, 0, 0}, {0, 1, 0}, {1, 1, 0}, {1, 0, 0}}};
   return lamp(document, element, {0, 1, 3, 2, 3, 1}, kCorners);
 }
 
 Mesh read_triangle_light(Document& document, pugi::xml_node element) {
-  constexpr std::array<std::array<double, 3>, 3> kCorners{{{1, 0, 0}, {0, 1, 0}, {0, 0, 0}}};
+  constexpr std::array<Vec3, 3> kCorners{{{1, 0, 0}, {0, 1, 0}, {0, 0, 0}}};
   return lamp(document, element, {0, 1, 2}, kCorners);
 }
 

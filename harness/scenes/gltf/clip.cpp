@@ -1,6 +1,7 @@
 #include "harness/scenes/gltf/clip.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <string_view>
@@ -148,8 +149,8 @@ void evaluate_cubic(std::span<const double> from, std::span<const double> to, do
 void evaluate_linear(std::span<const double> from, std::span<const double> to, double f, bool is_rotation,
                      std::span<double> result) {
   if (is_rotation) {
-    const Quaternion q = slerp({from[0], from[1], from[2], from[3]}, {to[0], to[1], to[2], to[3]}, f);
-    std::copy(q.begin(), q.end(), result.begin());
+    const Quaternion q = slerp(to_quaternion(from), to_quaternion(to), f);
+    std::ranges::copy(std::array{q.x, q.y, q.z, q.w}, result.begin());
     return;
   }
   for (std::size_t i = 0; i < result.size(); ++i) result[i] = (1 - f) * from[i] + f * to[i];

@@ -120,7 +120,8 @@ Vec3 morphed(const Geometry& geometry, const std::vector<double>& weights, std::
   const std::size_t count = std::min(geometry.targets.size(), weights.size());
   for (std::size_t t = 0; t < count; ++t) {
     if (weights[t] == 0 || geometry.targets[t].empty()) continue;
-    for (std::size_t i = 0; i < 3; ++i) position[i] += weights[t] * geometry.targets[t][3 * vertex + i];
+    const double* const offset = &geometry.targets[t][3 * vertex];
+    position = position + weights[t] * Vec3{offset[0], offset[1], offset[2]};
   }
   return position;
 }
@@ -160,7 +161,7 @@ Placement placement(const Primitive& primitive, const Rig& rig, const Pose& pose
 Vec3f place(const Placement& at, std::size_t vertex) {
   const Vec3 p = morphed(at.geometry, at.weights, vertex);
   const Vec3 q = at.joints ? blended(at.geometry.influences, *at.joints, vertex).apply(p) : at.world.apply(p);
-  return {rounded(q[0]), rounded(q[1]), rounded(q[2])};
+  return {rounded(q.x), rounded(q.y), rounded(q.z)};
 }
 
 /// The element of that attribute for each instance; none where it is not there.

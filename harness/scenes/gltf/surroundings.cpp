@@ -13,8 +13,6 @@
 namespace stbvh::harness::gltf {
 namespace {
 
-using harness::Vec3;
-
 constexpr double kDegreesPerRadian = 180 / kPi;
 
 Vec3 column(const Affine& map, std::size_t i) {

@@ -3,11 +3,10 @@
 
 #include <vector>
 
+#include "harness/scenes/vec3.h"
+
 namespace stbvh::harness {
 
-struct Vec2 {
-  double x = 0, y = 0;
-};
 using Polygon = std::vector<Vec2>;
 
 /// Twice the area of a triangle, above 0 where it is wound counterclockwise.

@@ -2,9 +2,9 @@
 #include <algorithm>
 #include <array>
 
-#include "harness/scenes/procedural/human.h"
 #include "harness/scenes/procedural/scene_makers.h"
 #include "harness/scenes/procedural/scene_plan.h"
+#include "harness/scenes/procedural/shared/human.h"
 
 namespace stbvh::harness {
 namespace {

@@ -4,10 +4,10 @@
 #include <algorithm>
 
 #include "harness/scenes/cancellation.h"
-#include "harness/scenes/procedural/cloth_simulation.h"
-#include "harness/scenes/procedural/human.h"
 #include "harness/scenes/procedural/scene_makers.h"
 #include "harness/scenes/procedural/scene_plan.h"
+#include "harness/scenes/procedural/shared/cloth_simulation.h"
+#include "harness/scenes/procedural/shared/human.h"
 
 namespace stbvh::harness {
 namespace {

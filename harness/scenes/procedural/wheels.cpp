@@ -2,8 +2,8 @@
 // steps.
 #include <array>
 
-#include "harness/scenes/procedural/machine_wheel.h"
 #include "harness/scenes/procedural/scene_makers.h"
+#include "harness/scenes/procedural/shared/spoked_wheel.h"
 
 namespace stbvh::harness {
 namespace {

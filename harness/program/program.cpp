@@ -1,0 +1,126 @@
+#include "harness/program/program.h"
+
+#include <errno.h>
+#include <fmt/format.h>
+#include <gmp.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <new>
+#include <system_error>
+
+#include "harness/images/compare.h"
+#include "harness/images/exr_file.h"
+#include "harness/program/interruption.h"
+#include "harness/program/script.h"
+#include "harness/program/usage_error.h"
+#include "harness/report/read_records.h"
+#include "harness/scenes/scene_file.h"
+#include "plugin/files/output_file.h"
+
+namespace stbvh::harness {
+namespace {
+
+constexpr const char* kNoMemory = "Not enough memory.";
+
+int fail(int code, const std::string& text) {
+  std::fflush(stdout);
+  fmt::print(stderr, "{}: {}\n", program_invocation_short_name, one_line(text));
+  return code;
+}
+
+/// Ends the program without taking any memory.
+[[noreturn]] void end_without_memory() {
+  for (const char* part : {static_cast<const char*>(program_invocation_short_name), ": ", kNoMemory, "\n"}) {
+    if (write(STDERR_FILENO, part, std::strlen(part)) < 0) break;
+  }
+  _exit(1);
+}
+
+[[noreturn]] void on_terminate() {
+  try {
+    if (std::current_exception()) throw;
+  } catch (const std::bad_alloc&) {
+    end_without_memory();
+  } catch (...) {
+  }
+  std::abort();  // a mistake of ours
+}
+
+void* allocate_or_end(std::size_t bytes) {
+  void* const data = std::malloc(bytes);
+  if (data == nullptr) end_without_memory();
+  return data;
+}
+
+void* reallocate_or_end(void* data, std::size_t, std::size_t bytes) {
+  data = std::realloc(data, bytes);
+  if (data == nullptr) end_without_memory();
+  return data;
+}
+
+void release(void* data, std::size_t) {
+  std::free(data);
+}
+
+/// Runs before the constructors of all libraries, which take memory too.
+void prepare(int, char**, char**) {
+  std::set_terminate(on_terminate);
+  mp_set_memory_functions(allocate_or_end, reallocate_or_end, release);  // GMP itself would abort
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that becomes too large is an error of write()
+}
+__attribute__((section(".preinit_array"), used)) void (*const prepare_first)(int, char**, char**) = prepare;
+
+void flush_output() {
+  if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category());
+}
+
+}  // namespace
+
+std::string one_line(std::string text) {
+  for (char& c : text) {
+    if ((c >= 0 && c < ' ') || c == '\x7f') c = '?';
+  }
+  return text;
+}
+
+int run_as_program(const std::function<void()>& work) {
+  try {
+    work();
+    flush_output();
+    return 0;
+  } catch (const UsageError& e) {
+    return fail(2, e.what());
+  } catch (const SceneFileError& e) {
+    return fail(2, e.what());
+  } catch (const OutputFileError& e) {
+    return fail(2, e.what());
+  } catch (const ImageFileError& e) {
+    return fail(2, e.what());
+  } catch (const ComparisonError& e) {
+    return fail(2, e.what());
+  } catch (const RecordFileError& e) {
+    return fail(2, e.what());
+  } catch (const std::filesystem::filesystem_error& e) {
+    return fail(2, fmt::format("\"{}\": {}.", e.path1().string(), e.code().message()));
+  } catch (const Interrupted& e) {
+    return fail(130, e.what());
+  } catch (const ScriptFailure& e) {
+    return e.exit_code;
+  } catch (const std::bad_alloc&) {
+    std::fflush(stdout);
+    end_without_memory();
+  } catch (const std::system_error& e) {
+    if (std::ferror(stdout) == 0) return fail(1, e.what());
+    return fail(1, fmt::format("Cannot write to standard output: {}.", e.code().message()));
+  } catch (const std::exception& e) {
+    return fail(1, e.what());
+  }
+}
+
+}  // namespace stbvh::harness

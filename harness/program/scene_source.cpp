@@ -1,0 +1,120 @@
+#include "harness/program/scene_source.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+
+#include "harness/program/closest_name.h"
+#include "harness/program/program.h"
+#include "harness/program/usage_error.h"
+#include "harness/scenes/embree_xml/embree_xml.h"
+#include "harness/scenes/obj/obj.h"
+#include "harness/scenes/obj/obj_sequence.h"
+#include "harness/scenes/procedural/procedural.h"
+#include "harness/scenes/vec3.h"
+
+namespace stbvh::harness {
+namespace {
+
+Vec3 extent(const Scene& scene) {
+  const Box3f box = scene.bounds();
+  return to_double(box.upper) - to_double(box.lower);
+}
+
+/// In lower case, with its dot; empty where there is none.
+std::string extension_of(const std::string& name) {
+  std::string extension = std::filesystem::path(name).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return extension;
+}
+
+bool is_embree_file(const std::string& name) {
+  return extension_of(name) == ".xml" || extension_of(name) == ".ecs";
+}
+
+bool is_file_name(const std::string& name) {
+  return extension_of(name) == ".glb" || extension_of(name) == ".gltf" || is_embree_file(name);
+}
+
+/// Before anything is printed or measured. What else is wrong with it, its reader says.
+void check_reachable(const std::string& name) {
+  std::error_code error;
+  const std::filesystem::file_status status = std::filesystem::status(name, error);
+  if (status.type() == std::filesystem::file_type::not_found)
+    throw UsageError(fmt::format("There is no file \"{}\".", name));
+  if (error) throw UsageError(fmt::format("Cannot read \"{}\": {}.", name, error.message()));
+}
+
+SceneSource file_source(const std::string& name, const GltfOptions& gltf) {
+  check_reachable(name);
+  const std::string stem = std::filesystem::path(name).stem().string();
+  if (is_embree_file(name))
+    return {stem, [=] { return checked(load_embree_xml(name, print_warning), stem); }};
+  return {stem, [=] { return checked(load_gltf(name, gltf, print_warning), stem); }};
+}
+
+SceneSource obj_source(const std::string& name, std::size_t number_step) {
+  const std::string scene_name = obj_scene_name(name);
+  for (const auto& file : find_obj_files(name, {}, number_step)) check_reachable(file.string());
+  return {scene_name, [=] { return checked(load_obj(name, print_warning, number_step), scene_name); }};
+}
+
+SceneSource built_in_source(const std::string& name, const Options& options) {
+  const ProceduralScene* scene = find_procedural_scene(name);
+  if (scene == nullptr) {
+    std::vector<std::string_view> known;
+    for (const ProceduralScene& s : procedural_scenes()) known.push_back(s.name);
+    throw UsageError(unknown_name("scene", name, known));
+  }
+  const double scale = options.scale.value_or(scene->default_scale);
+  return {name, [=, seed = options.seed] { return checked(scene->make(scale, seed), name); }};
+}
+
+}  // namespace
+
+Scene checked(Scene scene, const std::string& name) {
+  scene.name = name;
+  if (scene.triangle_count() == 0) throw UsageError(fmt::format("The scene \"{}\" has no triangles.", name));
+  const Vec3 size = extent(scene);
+  if (!std::isfinite(length(size))) {
+    throw UsageError(fmt::format("The scene \"{}\" has positions that are not finite.", name));
+  }
+  if (!(length(size) > 0)) throw UsageError(fmt::format("The scene \"{}\" has no extent.", name));
+  return scene;
+}
+
+void print_warning(const std::string& sentence) {
+  const bool is_terminal = isatty(STDERR_FILENO) != 0;  // where a line of Progress may stand
+  fmt::print(stderr, "{}stbvh-ab: {}\n", is_terminal ? "\r\x1b[K" : "", one_line(sentence));
+}
+
+std::vector<SceneSource> find_scenes(const Options& options) {
+  std::vector<SceneSource> sources;
+  for (const std::string& name : options.scenes) {
+    if (find_procedural_scene(name) == nullptr && is_obj_name(name)) {
+      sources.push_back(obj_source(name, options.obj_step));
+      continue;
+    }
+    sources.push_back(is_file_name(name) ? file_source(name, options.gltf) : built_in_source(name, options));
+  }
+  return sources;
+}
+
+SceneSummary summarize(const Scene& scene) {
+  return {.name = scene.name,
+          .meshes = scene.meshes.size(),
+          .triangles = scene.triangle_count(),
+          .primitive_segments = scene.primitive_segment_count(),
+          .buffer_bytes = scene.buffer_bytes()};
+}
+
+double diagonal(const Scene& scene) {
+  return length(extent(scene));
+}
+
+}  // namespace stbvh::harness

@@ -1,0 +1,68 @@
+#include "harness/program/script.h"
+
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <stdexcept>
+
+extern char** environ;  // NOLINT: POSIX declares it nowhere
+
+namespace stbvh::harness {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// From the folder of the program: where scripts lie when it is installed, and in the build.
+constexpr const char* kScriptFolders[] = {STBVH_DATA_FOLDER "/stbvh/report", "report"};
+
+std::string find_script(const std::string& name) {
+  const fs::path program_folder = fs::read_symlink("/proc/self/exe").parent_path();
+  for (const char* folder : kScriptFolders) {
+    const fs::path script = (program_folder / folder / name).lexically_normal();
+    std::error_code ignored;
+    if (fs::exists(script, ignored)) return script.string();
+  }
+  throw std::runtime_error(fmt::format("{} is not there: it belongs into {}.", name,
+                                       (program_folder / kScriptFolders[0]).lexically_normal().string()));
+}
+
+/// Ctrl-C waits until the script takes it, in record_files.py: while Python starts, it would print where it
+/// was.
+int spawn(pid_t& child, const std::vector<char*>& argv) {
+  posix_spawnattr_t attributes;
+  sigset_t blocked;
+  sigemptyset(&blocked);
+  sigaddset(&blocked, SIGINT);
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setsigmask(&attributes, &blocked);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
+  const int error = posix_spawn(&child, argv[0], nullptr, &attributes, argv.data(), environ);
+  posix_spawnattr_destroy(&attributes);
+  return error;
+}
+
+}  // namespace
+
+void run_script(const std::string& name, const std::vector<std::string>& arguments) {
+  // -B: no compiled files beside the sources.
+  std::vector<std::string> words{"/usr/bin/python3", "-B", find_script(name)};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  std::fflush(stdout);
+  pid_t child = 0;
+  int status = 0;
+  if (spawn(child, argv) != 0 || waitpid(child, &status, 0) != child)
+    throw std::runtime_error(fmt::format("{} could not be run with {}.", name, words.front()));
+  if (WIFSIGNALED(status))
+    throw std::runtime_error(fmt::format("{} was ended by a signal: {}.", name, strsignal(WTERMSIG(status))));
+  if (WEXITSTATUS(status) != 0) throw ScriptFailure{WEXITSTATUS(status)};
+}
+
+}  // namespace stbvh::harness

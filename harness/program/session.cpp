@@ -1,0 +1,74 @@
+#include "harness/program/session.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+#include "harness/rays/ray_generator.h"
+#include "harness/report/json.h"
+#include "harness/report/machine.h"
+#include "harness/report/table.h"
+#include "harness/structures/memory_estimate.h"
+#include "harness/structures/structure_under_test.h"
+#include "plugin/files/output_file.h"
+
+namespace stbvh::harness {
+
+std::vector<RaySet> make_ray_sets(const Scene& scene, const Options& options, Progress& progress) {
+  progress.stage(fmt::format("{}: making rays", scene.name));
+  const auto reference = build_structure(kReferenceStructure, scene, options.threads);
+  std::vector<RaySet> sets;
+  for (RayKind kind : options.rays) {
+    sets.push_back(make_rays(kind, scene, *reference, options.count, options.seed));
+    if (sets.back().rays.size() < options.count) {
+      fmt::print("Only {} {} rays: the scene is hit too seldom.\n", sets.back().rays.size(),
+                 ray_kind_name(kind));
+    }
+  }
+  return sets;
+}
+
+std::vector<std::string> structures_that_fit(const std::vector<std::string>& names, const Scene& scene,
+                                             std::string_view beside) {
+  const std::size_t available = available_memory_bytes();
+  std::vector<std::string> fitting;
+  for (const std::string& name : names) {
+    if (const std::string why = obstacle(name, scene); !why.empty()) {
+      fmt::print("{} left out: {}.\n", name, why);
+      continue;
+    }
+    const bool is_alone = beside.empty() || name == beside;
+    const std::size_t needed =
+        estimate_peak_bytes(name, scene) + (is_alone ? 0 : estimate_peak_bytes(beside, scene));
+    if (needed <= available) {
+      fitting.push_back(name);
+    } else {
+      fmt::print("{} left out: it would need about {:.1f} GB, and {:.1f} GB are free.\n", name,
+                 static_cast<double>(needed) / 1e9, static_cast<double>(available) / 1e9);
+    }
+  }
+  return fitting;
+}
+
+void for_each_scene(const Options& options, Progress& progress,
+                    const std::function<void(const Scene&)>& work) {
+  const std::vector<SceneSource> sources = find_scenes(options);
+  if (options.json) check_writable(*options.json);
+  fmt::print("{}", machine_line(this_machine(), built_commit()));
+  for (const SceneSource& source : sources) {
+    progress.stage(fmt::format("{}: making the scene", source.name));
+    const Scene scene = source.load();
+    progress.clear();
+    fmt::print("{}", scene_heading(summarize(scene)));
+    std::fflush(stdout);
+    work(scene);
+    std::fflush(stdout);
+  }
+}
+
+void write_records(const Options& options, const Report& report) {
+  if (options.json)
+    write_file(*options.json, to_json(report, this_machine(), built_commit(), options.command_line));
+}
+
+}  // namespace stbvh::harness

@@ -1,0 +1,35 @@
+/// What bench and error share: a scene in work, its rays, and what fits into memory.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "harness/cli/options.h"
+#include "harness/program/progress.h"
+#include "harness/program/scene_source.h"
+#include "harness/rays/ray_set.h"
+#include "harness/report/records.h"
+
+namespace stbvh::harness {
+
+/// The structure whose hit points bounce and shadow rays start from, whatever is compared.
+inline constexpr std::string_view kReferenceStructure = "embree-robust";
+
+/// `count` rays of each kind that was asked for, from kReferenceStructure's hit points.
+std::vector<RaySet> make_ray_sets(const Scene& scene, const Options& options, Progress& progress);
+
+/// Those of `names` that the machine's free memory can hold over `scene`, each beside the structure `beside`
+/// (none if empty); for each other a line on stdout says how much it would need.
+std::vector<std::string> structures_that_fit(const std::vector<std::string>& names, const Scene& scene,
+                                             std::string_view beside);
+
+/// Runs `work` on each scene of `options` in turn, each heading its own part of the output. Throws
+/// OutputFileError before that if write_records could not write.
+void for_each_scene(const Options& options, Progress& progress,
+                    const std::function<void(const Scene&)>& work);
+
+/// Writes `report` to the JSON file, if one was asked for. Throws OutputFileError.
+void write_records(const Options& options, const Report& report);
+
+}  // namespace stbvh::harness
