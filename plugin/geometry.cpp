@@ -28,6 +28,22 @@ PublishedMesh published_mesh(const MeshDescription& mesh) {
   return {arguments.geomID, arguments.userPtr, arguments.intersectFilter, arguments.occludedFilter};
 }
 
+/// Index of the mesh that has no geomID of its own, or RTC_INVALID_GEOMETRY_ID. Throws ApiError for two.
+unsigned find_default_mesh(const std::vector<MeshDescription>& meshes) {
+  unsigned found = RTC_INVALID_GEOMETRY_ID;
+  for (unsigned i = 0; i < meshes.size(); ++i) {
+    if (meshes[i].geom_id() != RTC_INVALID_GEOMETRY_ID) continue;
+    if (found != RTC_INVALID_GEOMETRY_ID) {
+      throw ApiError(RTC_ERROR_INVALID_OPERATION,
+                     "meshes " + std::to_string(found) + " and " + std::to_string(i) +
+                         " both have the default geomID, so that their hits could not be told apart: set " +
+                         "geomID of all meshes but one");
+    }
+    found = i;
+  }
+  return found;
+}
+
 }  // namespace
 
 Geometry::Geometry(RTCDevice device) : device_(device) {
@@ -96,6 +112,7 @@ void Geometry::publish(const Published& published) {
 void Geometry::commit() {
   publish(empty_published());
   published_.reset();
+  default_mesh_ = find_default_mesh(meshes_);
   TemporaryMemory temporary_memory(device_);
   try {
     published_ = build(temporary_memory);

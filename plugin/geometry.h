@@ -21,6 +21,7 @@ class Geometry {
   Geometry(const Geometry&) = delete;
   Geometry& operator=(const Geometry&) = delete;
 
+  RTCDevice device() const { return device_; }
   RTCGeometry rtc_geometry() const { return rtc_geometry_; }
 
   const std::vector<MeshDescription>& meshes() const { return meshes_; }
@@ -37,6 +38,11 @@ class Geometry {
   /// Of the tree in use, or null.
   const BuildStatistics* statistics() const;
 
+  /// What the last commit built, or null.
+  const Published* published() const { return published_.get(); }
+  /// Index of the one mesh whose geomID is the default; RTC_INVALID_GEOMETRY_ID without one.
+  unsigned default_mesh() const { return default_mesh_; }
+
  private:
   std::unique_ptr<Published> build(TemporaryMemory& temporary_memory) const;
   BuildCallbacks build_callbacks(TemporaryMemory& temporary_memory) const;
@@ -50,6 +56,7 @@ class Geometry {
   BuildSettings settings_;
   RTCProgressMonitorFunction progress_ = nullptr;
   void* progress_user_ptr_ = nullptr;
+  unsigned default_mesh_ = RTC_INVALID_GEOMETRY_ID;
   std::unique_ptr<Published> published_;
 };
 

@@ -33,6 +33,7 @@ class MeshDescription {
   MeshView view() const;
 
   std::uint32_t mask() const { return arguments_.mask; }
+  unsigned geom_id() const { return arguments_.geomID; }
 
  private:
   StbvhMeshArguments arguments_;

@@ -94,6 +94,10 @@ TEST_F(PluginOutOfMemory, InEachAllocation) {
         built = build();
         have_failed = failing.have_failed();
       }
+      // Where there is memory again, the device can be told.
+      if (which == Which::kOne && !built) {
+        EXPECT_EQ(rtcGetDeviceError(device_.get()), RTC_ERROR_OUT_OF_MEMORY);
+      }
       ASSERT_NO_FATAL_FAILURE(expect_recovery(built));
       ASSERT_TRUE(built || have_failed);
     }
