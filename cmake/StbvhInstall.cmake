@@ -1,12 +1,14 @@
-# What `cmake --install` puts into a prefix, so that applications find it by CMake (stbvh::stbvh) or by pkg-config
-# (docs/library.md). The prefix may be moved afterwards: nothing in it names it. The harness is not installed.
+# What `cmake --install` puts into a prefix, so that applications find it by CMake (stbvh::stbvh; the kernels alone:
+# stbvh::kernels) or by pkg-config (docs/library.md). The prefix may be moved afterwards: nothing in it names it. The harness is not installed.
 include(CMakePackageConfigHelpers)
-include(GNUInstallDirs)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/stbvh)
 install(TARGETS stbvh EXPORT stbvh-targets
   LIBRARY COMPONENT Runtime NAMELINK_COMPONENT Development
   FILE_SET HEADERS COMPONENT Development)
+set_target_properties(stbvh_kernels PROPERTIES EXPORT_NAME kernels)
+install(TARGETS stbvh_kernels EXPORT stbvh-targets ARCHIVE COMPONENT Development)
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/kernels/include/ DESTINATION ${STBVH_KERNELS_INCLUDEDIR} COMPONENT Development)
 install(EXPORT stbvh-targets NAMESPACE stbvh:: DESTINATION ${package_folder} COMPONENT Development)
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/stbvh-config.cmake.in
@@ -34,7 +36,9 @@ set(pc_embree_libs -lembree3)
 if(NOT embree_library_folder IN_LIST CMAKE_C_IMPLICIT_LINK_DIRECTORIES)
   string(PREPEND pc_embree_libs "-L${embree_library_folder} ")
 endif()
-configure_file(${CMAKE_CURRENT_LIST_DIR}/stbvh.pc.in ${CMAKE_CURRENT_BINARY_DIR}/stbvh.pc @ONLY)
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/stbvh.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT Development)
+foreach(name stbvh stbvh-kernels)
+  configure_file(${CMAKE_CURRENT_LIST_DIR}/${name}.pc.in ${CMAKE_CURRENT_BINARY_DIR}/${name}.pc @ONLY)
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT Development)
+endforeach()
 
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT Runtime)

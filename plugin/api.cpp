@@ -4,7 +4,10 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <string_view>
 
+#include "plugin/callbacks.h"
+#include "plugin/device_error.h"
 #include "plugin/geometry.h"
 #include "plugin/versioned_struct.h"
 
@@ -24,31 +27,72 @@ namespace {
 
 using stbvh::plugin::ApiError;
 using stbvh::plugin::MeshDescription;
+using stbvh::plugin::set_device_error;
 
-RTCError remember(StbvhGeometry handle, RTCError code, const char* message) noexcept {
+static_assert(std::string_view(STBVH_VERSION_STRING) == STBVH_PROJECT_VERSION);
+
+/// Of this thread: why the last call failed that had no handle. A literal: it takes no memory.
+thread_local const char* error_message_without_handle = "";
+
+// Messages before errors: the device's error function may ask for them.
+RTCError fail_without_handle(RTCDevice device, RTCError code, const char* message) noexcept {
+  error_message_without_handle = message;
+  set_device_error(device, code);
+  return code;
+}
+
+RTCError fail(StbvhGeometry handle, RTCError code, const char* message) noexcept {
   try {
     handle->error_message = message;
   } catch (const std::bad_alloc&) {
     handle->error_message.clear();
   }
+  set_device_error(handle->geometry.device(), code);
   return code;
 }
+
+constexpr const char* kNullGeometry = "geometry is null";
 
 /// Runs `function` on the handle; whatever it throws becomes a code and a message.
 template <typename Function>
 RTCError guarded(StbvhGeometry handle, Function&& function) noexcept {
-  if (handle == nullptr) return RTC_ERROR_INVALID_ARGUMENT;
+  if (handle == nullptr) return fail_without_handle(nullptr, RTC_ERROR_INVALID_ARGUMENT, kNullGeometry);
   try {
     function(handle->geometry);
     return RTC_ERROR_NONE;
   } catch (const ApiError& error) {
-    return remember(handle, error.code(), error.what());
+    return fail(handle, error.code(), error.what());
   } catch (const std::bad_alloc&) {
-    return remember(handle, RTC_ERROR_OUT_OF_MEMORY, "out of memory, or the device's memory monitor refused");
+    return fail(handle, RTC_ERROR_OUT_OF_MEMORY, "out of memory, or the device's memory monitor refused");
   } catch (const std::exception& error) {
-    return remember(handle, RTC_ERROR_UNKNOWN, error.what());
+    return fail(handle, RTC_ERROR_UNKNOWN, error.what());
   } catch (...) {
-    return remember(handle, RTC_ERROR_UNKNOWN, "unknown exception");
+    return fail(handle, RTC_ERROR_UNKNOWN, "unknown exception");
+  }
+}
+
+/// Runs `function` on what the last commit built, its default geomID, and a context that is not null. Others
+/// may query the handle at once, so its message stays as it is: only the device is told of what filters
+/// throw.
+template <typename Function>
+void query(StbvhGeometry handle, RTCIntersectContext* context, Function&& function) noexcept {
+  if (handle == nullptr) {
+    fail_without_handle(nullptr, RTC_ERROR_INVALID_ARGUMENT, kNullGeometry);
+    return;
+  }
+  const stbvh::plugin::Geometry& geometry = handle->geometry;
+  if (geometry.published() == nullptr) return;
+  RTCIntersectContext plain;
+  if (context == nullptr) {
+    rtcInitIntersectContext(&plain);
+    context = &plain;
+  }
+  try {
+    function(*geometry.published(), geometry.default_mesh(), context);
+  } catch (const std::bad_alloc&) {
+    set_device_error(geometry.device(), RTC_ERROR_OUT_OF_MEMORY);
+  } catch (...) {
+    set_device_error(geometry.device(), RTC_ERROR_UNKNOWN);
   }
 }
 
@@ -80,11 +124,19 @@ StbvhMeshArguments read_arguments(const StbvhMeshArguments* arguments) {
 
 extern "C" {
 
+unsigned stbvhGetVersion(void) {
+  return STBVH_VERSION;
+}
+
 StbvhGeometry stbvhNewGeometry(RTCDevice device) {
-  if (device == nullptr) return nullptr;
+  if (device == nullptr) {
+    fail_without_handle(device, RTC_ERROR_INVALID_ARGUMENT, "device is null");
+    return nullptr;
+  }
   try {
     return new StbvhGeometryTy(device);
   } catch (const std::exception&) {
+    fail_without_handle(device, RTC_ERROR_OUT_OF_MEMORY, "out of memory for another geometry");
     return nullptr;
   }
 }
@@ -146,8 +198,8 @@ RTCError stbvhSetGeometryInlineShare(StbvhGeometry geometry, float share) {
   });
 }
 
-RTCError stbvhSetProgressFunction(StbvhGeometry geometry, RTCProgressMonitorFunction progress,
-                                  void* userPtr) {
+RTCError stbvhSetGeometryProgressFunction(StbvhGeometry geometry, RTCProgressMonitorFunction progress,
+                                          void* userPtr) {
   return guarded(geometry, [&](stbvh::plugin::Geometry& g) { g.set_progress(progress, userPtr); });
 }
 
@@ -157,6 +209,18 @@ RTCError stbvhCommitGeometry(StbvhGeometry geometry) {
 
 RTCGeometry stbvhGetGeometry(StbvhGeometry geometry) {
   return geometry == nullptr ? nullptr : geometry->geometry.rtc_geometry();
+}
+
+void stbvhIntersect1(StbvhGeometry geometry, RTCIntersectContext* context, RTCRayHit* rayhit) {
+  query(geometry, context, [=](const auto& published, unsigned geom_id, RTCIntersectContext* given) {
+    stbvh::plugin::intersect_one(published, geom_id, given, rayhit);
+  });
+}
+
+void stbvhOccluded1(StbvhGeometry geometry, RTCIntersectContext* context, RTCRay* ray) {
+  query(geometry, context, [=](const auto& published, unsigned geom_id, RTCIntersectContext* given) {
+    stbvh::plugin::occluded_one(published, geom_id, given, ray);
+  });
 }
 
 RTCError stbvhGetStatistics(StbvhGeometry geometry, StbvhStatistics* statistics) {
@@ -175,7 +239,7 @@ RTCError stbvhGetStatistics(StbvhGeometry geometry, StbvhStatistics* statistics)
 }
 
 const char* stbvhGetErrorMessage(StbvhGeometry geometry) {
-  return geometry == nullptr ? "geometry is null" : geometry->error_message.c_str();
+  return geometry == nullptr ? error_message_without_handle : geometry->error_message.c_str();
 }
 
 }  // extern "C"

@@ -99,4 +99,13 @@ void occluded_callback(const RTCOccludedFunctionNArguments* arguments) {
   }
 }
 
+void intersect_one(const Published& published, unsigned geom_id, RTCIntersectContext* context,
+                   RTCRayHit* rayhit) {
+  intersect_lane({&published, context, reinterpret_cast<RTCRayN*>(&rayhit->ray), 1, 0, geom_id});
+}
+
+void occluded_one(const Published& published, unsigned geom_id, RTCIntersectContext* context, RTCRay* ray) {
+  occluded_lane({&published, context, reinterpret_cast<RTCRayN*>(ray), 1, 0, geom_id});
+}
+
 }  // namespace stbvh::plugin

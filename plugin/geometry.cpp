@@ -1,6 +1,7 @@
 #include "plugin/geometry.h"
 
 #include <new>
+#include <string>
 #include <utility>
 
 #include "plugin/device_memory.h"
@@ -16,6 +17,22 @@ PublishedMesh published_mesh(const MeshDescription& mesh) {
 RTCDevice retained(RTCDevice device) {
   rtcRetainDevice(device);
   return device;
+}
+
+/// Index of the mesh that has no geomID of its own, or RTC_INVALID_GEOMETRY_ID. Throws ApiError for two.
+unsigned find_default_mesh(const std::vector<MeshDescription>& meshes) {
+  unsigned found = RTC_INVALID_GEOMETRY_ID;
+  for (unsigned i = 0; i < meshes.size(); ++i) {
+    if (meshes[i].geom_id() != RTC_INVALID_GEOMETRY_ID) continue;
+    if (found != RTC_INVALID_GEOMETRY_ID) {
+      throw ApiError(RTC_ERROR_INVALID_OPERATION,
+                     "meshes " + std::to_string(found) + " and " + std::to_string(i) +
+                         " both have the default geomID, so that their hits could not be told apart: set " +
+                         "geomID of all meshes but one");
+    }
+    found = i;
+  }
+  return found;
 }
 
 }  // namespace
@@ -49,6 +66,7 @@ void Geometry::set_progress(RTCProgressMonitorFunction progress, void* user_ptr)
 
 void Geometry::commit() {
   user_geometry_.publish(nullptr);
+  default_mesh_ = find_default_mesh(meshes_);
   TemporaryMemory temporary_memory(device_.get());
   std::unique_ptr<Published> published;
   try {

@@ -36,6 +36,7 @@ class Geometry {
   /// Retains `device`, which must not be null.
   explicit Geometry(RTCDevice device);
 
+  RTCDevice device() const { return device_.get(); }
   RTCGeometry rtc_geometry() const { return user_geometry_.handle(); }
 
   const std::vector<MeshDescription>& meshes() const { return meshes_; }
@@ -52,6 +53,11 @@ class Geometry {
   /// Of the tree in use, or null.
   const BuildStatistics* statistics() const;
 
+  /// What the last commit built, or null.
+  const Published* published() const { return user_geometry_.published(); }
+  /// Index of the one mesh whose geomID is the default; RTC_INVALID_GEOMETRY_ID without one.
+  unsigned default_mesh() const { return default_mesh_; }
+
  private:
   std::unique_ptr<Published> build(TemporaryMemory& temporary_memory) const;
   BuildCallbacks build_callbacks(TemporaryMemory& temporary_memory) const;
@@ -66,6 +72,7 @@ class Geometry {
   BuildSettings settings_;
   RTCProgressMonitorFunction progress_ = nullptr;
   void* progress_user_ptr_ = nullptr;
+  unsigned default_mesh_ = RTC_INVALID_GEOMETRY_ID;
 };
 
 }  // namespace stbvh::plugin

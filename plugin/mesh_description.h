@@ -32,6 +32,8 @@ class MeshDescription {
   /// The mesh as the kernels see it; its `steps` are those of this description.
   MeshView view() const;
 
+  unsigned geom_id() const { return arguments_.geomID; }
+
  private:
   StbvhMeshArguments arguments_;
   std::vector<const void*> vertices_;

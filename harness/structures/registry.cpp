@@ -49,11 +49,12 @@ constexpr std::array<Entry, 13> kEntries{{
        return std::make_unique<StbvhPlugin>(scene, PluginSettings{.precision = STBVH_PRECISION_FAST}, threads,
                                             progress);
      }},
-    {"stbvh-compact", "our plugin with a quarter of the vertices in the leaves: smaller, slower",
+    {"stbvh-compact", "our plugin with the inline share COMPACT: smaller, slower",
      [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
-       return std::make_unique<StbvhPlugin>(scene, PluginSettings{.inline_share = 0.25f}, threads, progress);
+       return std::make_unique<StbvhPlugin>(scene, PluginSettings{.inline_share = STBVH_INLINE_SHARE_COMPACT},
+                                            threads, progress);
      }},
-    {"stbvh-direct", "our kernels without Embree; the vertices in the leaves, as in the plugin",
+    {"stbvh-direct", "our kernels without Embree, as stbvhIntersect1 asks them",
      [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
        return std::make_unique<StbvhDirect>(scene, BuildSettings{}, threads, progress);
      }},
@@ -62,7 +63,7 @@ constexpr std::array<Entry, 13> kEntries{{
        return std::make_unique<StbvhDirect>(scene, BuildSettings{.precision = Precision::kFast}, threads,
                                             progress);
      }},
-    {"stbvh-direct-indexed", "our kernels without Embree; vertex indices in the leaves: smaller, slower",
+    {"stbvh-direct-indexed", "our kernels without Embree, with the inline share 0: smaller, slower",
      [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
        return std::make_unique<StbvhDirect>(scene, BuildSettings{.inline_share = 0.0f}, threads, progress);
      }},

@@ -22,17 +22,18 @@ StbvhPlugin::StbvhPlugin(const Scene& scene, const PluginSettings& settings, uns
   check(stbvhSetGeometryPrecision(geometry_.get(), settings.precision));
   check(stbvhSetGeometryInlineShare(geometry_.get(), settings.inline_share));
   if (progress) {
-    check(stbvhSetProgressFunction(geometry_.get(), report_progress, const_cast<BuildProgress*>(&progress)));
+    check(stbvhSetGeometryProgressFunction(geometry_.get(), report_progress,
+                                           const_cast<BuildProgress*>(&progress)));
   }
   check(stbvhCommitGeometry(geometry_.get()));
-  check(stbvhSetProgressFunction(geometry_.get(), nullptr, nullptr));
+  check(stbvhSetGeometryProgressFunction(geometry_.get(), nullptr, nullptr));
   scene_ = device_.new_scene(RTC_SCENE_FLAG_NONE);
   rtcAttachGeometry(scene_.get(), stbvhGetGeometry(geometry_.get()));
   rtcCommitScene(scene_.get());
   device_.check();
   record_.build_s = meter.seconds();
-  StbvhStatistics statistics{};
-  statistics.byteSize = sizeof(statistics);
+  StbvhStatistics statistics;
+  stbvhInitStatistics(&statistics);
   check(stbvhGetStatistics(geometry_.get(), &statistics));
   record_.structure_bytes = statistics.structureBytes;
   record_.monitor_bytes = device_.memory().current_bytes();

@@ -46,6 +46,10 @@ int main(void) {
   }
   const RTCScene scene = rtcNewScene(device);
   const StbvhGeometry geometry = stbvhNewGeometry(device);
+  if (geometry == NULL) {
+    fprintf(stderr, "stbvh: %s\n", stbvhGetErrorMessage(NULL));
+    return 1;
+  }
   int failed = add_triangle(geometry, moving, 3) != RTC_ERROR_NONE ||
                add_triangle(geometry, ground, 1) != RTC_ERROR_NONE ||
                stbvhCommitGeometry(geometry) != RTC_ERROR_NONE;

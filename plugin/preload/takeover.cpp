@@ -12,9 +12,6 @@
 namespace stbvh::preload {
 namespace {
 
-/// Of the vertices in leaves: docs/results.md, stbvh-compact.
-constexpr float kCompactInlineShare = 0.25f;
-
 bool refuse(void*, double) {
   return false;
 }
@@ -33,7 +30,7 @@ GroupSettings TrackedScene::group_settings() const {
   const Preset preset = environment().preset;
   GroupSettings settings;
   settings.runs_context_filters = (flags & RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION) != 0;
-  if (preset == Preset::kCompact) settings.build.inline_share = kCompactInlineShare;
+  if (preset == Preset::kCompact) settings.build.inline_share = STBVH_INLINE_SHARE_COMPACT;
   if (preset == Preset::kFast && (flags & RTC_SCENE_FLAG_ROBUST) == 0) {
     settings.build.precision = Precision::kFast;
   }

@@ -6,11 +6,13 @@ step=$1 build=$2 source=$3 cmake=$4 cc=$5 cxx=$6
 work=$build/tests/install
 prefix=$work/prefix
 example=$source/plugin/examples/from_triangles
+kernels_example=$source/kernels/examples/two_meshes
 
 fail() { echo "$*" >&2; exit 1; }
 library() { find "$prefix" -name 'libstbvh.so'; }
 use_pkg_config() { PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name stbvh.pc)"); export PKG_CONFIG_PATH; }
 flags() { pkg-config "$@" stbvh; }
+project_version() { sed -n 's/^project(stbvh VERSION \([0-9.]*\).*/\1/p' "$source/CMakeLists.txt"; }
 warnings=(-pedantic -Wall -Wextra -Werror)
 
 # Installed, then moved: nothing that is found later may name the first place.
@@ -18,24 +20,27 @@ install_and_move() {
   rm -rf "$prefix" "$work/first"
   "$cmake" --install "$build" --prefix "$work/first" > "$work/install.log"
   mv "$work/first" "$prefix"
-  ! grep -rl --exclude-dir=doc -e "$work/first" -e "$source" "$prefix" || fail "these name the place where they were made"
-  [ -z "$(find "$prefix" -name '*.a')" ] || fail "a static library is installed"
+  ! grep -rlI --exclude-dir=doc -e "$work/first" -e "$source" "$prefix" || fail "these name the place where they were made"
+  [ "$(find "$prefix" -name '*.a' -printf '%f\n')" = libstbvh_kernels.a ] || fail "other static libraries than the kernels"
 }
 
 # Exactly what the header declares, and nothing of C++.
 exports() {
-  diff <(grep -ozP '(?m)^STBVH_API [^;(]*?\K\w+(?=\()' "$(find "$prefix" -name stbvh_embree.h)" | tr '\0' '\n' | sort) \
+  diff <(grep -ozP '(?m)^(STBVH_NODISCARD )?STBVH_API [^;(]*?\K\w+(?=\()' "$(find "$prefix" -name stbvh_embree.h)" | tr '\0' '\n' | sort) \
     <(nm --dynamic --defined-only "$(library)" | awk '{ print $3 }' | sort) ||
     fail "left: what the header declares; right: what the library exports"
 }
 
 soname() {
   local version
-  version=$(sed -n 's/^project(stbvh VERSION \([0-9.]*\).*/\1/p' "$source/CMakeLists.txt")
+  version=$(project_version)
   readelf --dynamic "$(library)" | grep -qF "soname: [libstbvh.so.${version%.*}]" || fail "not the soname of version $version"
   [ "$(basename "$(readlink -f "$(library)")")" = "libstbvh.so.$version" ] || fail "the file is not that of version $version"
   use_pkg_config
   [ "$(flags --modversion)" = "$version" ] || fail "stbvh.pc has another version than $version"
+  [ "$(pkg-config --modversion stbvh-kernels)" = "$version" ] || fail "stbvh-kernels.pc has another version than $version"
+  grep -qxF "#define STBVH_VERSION_STRING \"$version\"" "$(find "$prefix" -name stbvh_embree.h)" ||
+    fail "the header has another version than $version"
 }
 
 check_example() {
@@ -88,6 +93,28 @@ harness() {
   grep -q 'README\.md' "$work/charts.log" || { cat "$work/charts.log"; fail "the script was not found"; }
 }
 
+# The kernels alone, by CMake and by pkg-config; their headers are out of the way of those who use the plugin.
+kernels() {
+  use_pkg_config
+  rm -rf "$work/kernels"
+  "$cmake" -S "$kernels_example" -B "$work/kernels" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_COMPILER="$cxx" \
+    -DCMAKE_CXX_FLAGS="${warnings[*]}"
+  "$cmake" --build "$work/kernels"
+  "$work/kernels/two_meshes"
+  # shellcheck disable=SC2046
+  "$cxx" -std=c++20 "${warnings[@]}" "$kernels_example/two_meshes.cpp" -o "$work/two_meshes" \
+    $(pkg-config --cflags --libs stbvh-kernels)
+  "$work/two_meshes"
+  ! readelf --dynamic "$work/two_meshes" | grep -q 'NEEDED.*\(embree\|libstbvh\)' || fail "the kernels need Embree"
+  [ "$(cd "$prefix"/include/stbvh && echo ./*)" = ./stbvh_embree.h ] || fail "other headers beside the plugin's"
+  local header
+  for header in "$prefix"/include/stbvh-kernels/stbvh/*.h; do
+    # shellcheck disable=SC2046
+    "$cxx" -std=c++20 "${warnings[@]}" -fsyntax-only -x c++ $(pkg-config --cflags stbvh-kernels) - \
+      <<< "#include <stbvh/$(basename "$header")>" || fail "$header cannot be included alone"
+  done
+}
+
 # The installed script finds the installed library, which takes over what the example gives to Embree.
 preload() {
   use_pkg_config
@@ -114,6 +141,30 @@ header() {
   done
 }
 
+# Compilers warn where an error is dropped, and only there.
+nodiscard() {
+  use_pkg_config
+  local language compiler function
+  for language in c99 c++11 c++17; do
+    case $language in c++*) compiler=("$cxx" -x c++) ;; *) compiler=("$cc" -x c) ;; esac
+    for function in 'AddMesh(g, a, 0)' 'SetMesh(g, 0, a)' 'GetMesh(g, 0, a)' 'CommitGeometry(g)' 'GetStatistics(g, s)' \
+      'SetGeometryPrecision(g, STBVH_PRECISION_FAST)' 'SetGeometryInlineShare(g, 1)' \
+      'SetGeometryProgressFunction(g, 0, 0)'; do
+      try() {
+        # shellcheck disable=SC2046
+        "${compiler[@]}" "-std=$language" "${warnings[@]}" -S -o /dev/null $(flags --cflags) - 2> "$work/nodiscard.log" << END
+#include <stbvh/stbvh_embree.h>
+int use(StbvhGeometry g, struct StbvhMeshArguments* a, struct StbvhStatistics* s);
+int use(StbvhGeometry g, struct StbvhMeshArguments* a, struct StbvhStatistics* s) { (void)a; (void)s; (void)g; $1 return 0; }
+END
+      }
+      try "if (stbvh$function) return 1;" || { cat "$work/nodiscard.log"; fail "$language: stbvh$function is no error to check"; }
+      ! try "stbvh$function;" || fail "$language: no warning where the error of stbvh$function is dropped"
+      grep -qE 'unused.result|nodiscard' "$work/nodiscard.log" || { cat "$work/nodiscard.log"; fail "another warning"; }
+    done
+  done
+}
+
 # How much an application has to change: the lines of one attach function, besides keeping and releasing the handle.
 handful() {
   local new
@@ -125,5 +176,6 @@ handful() {
 case $step in
   install) install_and_move ;;
   exports | soname | by_cmake | by_cmake_version | by_pkg_config | preload | harness | header | handful) "$step" ;;
+  exports | soname | by_cmake | by_cmake_version | by_pkg_config | kernels | preload | header | nodiscard | handful) "$step" ;;
   *) fail "no such step: $step" ;;
 esac

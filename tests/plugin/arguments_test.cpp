@@ -97,19 +97,23 @@ TEST_F(PluginArguments, TimeRangesNextToEmpty) {
   narrow.endTime = 1e-39f;
   EXPECT_EQ(stbvhAddMesh(geometry_.get(), &narrow, nullptr), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhSetMesh(geometry_.get(), 0, &narrow), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(rtcGetDeviceError(device_.get()), RTC_ERROR_INVALID_ARGUMENT);
   // Of one step it does not matter, and the narrowest is built.
+  narrow.geomID = 1;
   narrow.stepCount = 1;
   EXPECT_EQ(stbvhAddMesh(geometry_.get(), &narrow, nullptr), RTC_ERROR_NONE);
+  narrow.geomID = 2;
   narrow.stepCount = 3;
   narrow.endTime = kLeast;
   EXPECT_EQ(stbvhAddMesh(geometry_.get(), &narrow, nullptr), RTC_ERROR_NONE);
+  narrow.geomID = 3;
   narrow.startTime = std::nextafter(1.0f, 0.0f), narrow.endTime = 1;
   EXPECT_EQ(stbvhAddMesh(geometry_.get(), &narrow, nullptr), RTC_ERROR_NONE);
   ASSERT_EQ(stbvhCommitGeometry(geometry_.get()), RTC_ERROR_NONE) << stbvhGetErrorMessage(geometry_.get());
   const Scene scene = new_scene(device_);
   rtcAttachGeometryByID(scene.get(), stbvhGetGeometry(geometry_.get()), 0);
   rtcCommitScene(scene.get());
-  EXPECT_EQ(intersect(scene.get(), ray_down(.1f, .1f, .5f)).hit.geomID, 0u);
+  EXPECT_LE(intersect(scene.get(), ray_down(.1f, .1f, .5f)).hit.geomID, 1u);  // two lie there
   EXPECT_EQ(rtcGetDeviceError(device_.get()), RTC_ERROR_NONE);
 }
 
@@ -123,7 +127,6 @@ TEST_F(PluginArguments, PrecisionThatIsNotListed) {
 }
 
 TEST_F(PluginArguments, Null) {
-  EXPECT_EQ(stbvhNewGeometry(nullptr), nullptr);
   EXPECT_EQ(stbvhAddMesh(geometry_.get(), nullptr, nullptr), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhSetMesh(geometry_.get(), 0, nullptr), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhGetMesh(geometry_.get(), 0, nullptr), RTC_ERROR_INVALID_ARGUMENT);
@@ -135,10 +138,12 @@ TEST_F(PluginArguments, Null) {
   EXPECT_EQ(stbvhCommitGeometry(nullptr), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhSetGeometryPrecision(nullptr, STBVH_PRECISION_FAST), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhSetGeometryInlineShare(nullptr, 0.5f), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(stbvhSetProgressFunction(nullptr, nullptr, nullptr), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(stbvhSetGeometryProgressFunction(nullptr, nullptr, nullptr), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhGetGeometry(nullptr), nullptr);
   EXPECT_EQ(stbvhGetMeshCount(nullptr), 0u);
   EXPECT_STREQ(stbvhGetErrorMessage(nullptr), "geometry is null");
+  EXPECT_EQ(stbvhNewGeometry(nullptr), nullptr);
+  EXPECT_STREQ(stbvhGetErrorMessage(nullptr), "device is null");
   stbvhRetainGeometry(nullptr);
   stbvhReleaseGeometry(nullptr);
 }
@@ -199,9 +204,11 @@ TEST_F(PluginArguments, NoMeshesOrEmptyOnesAreAnEmptyGeometry) {
   stbvhInitMeshArguments(&empty);
   ASSERT_EQ(stbvhAddMesh(geometry_.get(), &empty, nullptr), RTC_ERROR_NONE);
   empty.stepCount = 7;
+  empty.geomID = 1;
   ASSERT_EQ(stbvhAddMesh(geometry_.get(), &empty, nullptr), RTC_ERROR_NONE);
   StbvhMeshArguments without_vertices = arguments_of(mesh_, pointers_);
   without_vertices.vertexCount = 0;
+  without_vertices.geomID = 2;
   ASSERT_EQ(stbvhAddMesh(geometry_.get(), &without_vertices, nullptr), RTC_ERROR_NONE);
   expect_no_hits(device_, geometry_);
 }
@@ -257,6 +264,7 @@ TEST_F(PluginArguments, EmbreeRefusesScenesWithAGeometryThatChangedSince) {
   const Scene scene = new_scene(device_);
   rtcAttachGeometry(scene.get(), stbvhGetGeometry(geometry_.get()));
   StbvhMeshArguments arguments = arguments_of(mesh_, pointers_);
+  arguments.geomID = 0;
   const StbvhGeometry g = geometry_.get();
   const std::function<RTCError()> changes[] = {
       [&] { return stbvhAddMesh(g, &arguments, nullptr); },

@@ -93,7 +93,13 @@ class PluginFilters : public testing::Test {
       ASSERT_NO_FATAL_FAILURE(expect_same_hit(expected, intersect(pair.own.get(), ray, &own.embree)));
       const bool occluded = is_occluded(pair.native.get(), ray, &native.embree);
       ASSERT_EQ(occluded, is_occluded(pair.own.get(), ray, &own.embree));
+      Context direct = new_context(context_filter);
+      ASSERT_NO_FATAL_FAILURE(
+          expect_same_hit(expected, intersect_directly(pair.geometry.get(), ray, &direct.embree)));
+      ASSERT_EQ(occluded, is_occluded_directly(pair.geometry.get(), ray, &direct.embree));
       ASSERT_EQ(own.wrong, 0u);
+      ASSERT_EQ(direct.wrong, 0u);
+      ASSERT_EQ(direct.calls, own.calls);
       hits += expected.hit.geomID != RTC_INVALID_GEOMETRY_ID;
       calls += own.calls;
     }

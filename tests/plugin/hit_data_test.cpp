@@ -112,7 +112,7 @@ TEST(PluginHitData, InvalidTrianglesAreLeftOutAsByEmbree) {
   const ScenePair pair = scene_pair(device, meshes);
   expect_same_hits(pair.native.get(), pair.own.get(), 3000, 9);
   StbvhStatistics statistics;
-  statistics.byteSize = sizeof(statistics);
+  stbvhInitStatistics(&statistics);
   ASSERT_EQ(stbvhGetStatistics(pair.geometry.get(), &statistics), RTC_ERROR_NONE);
   EXPECT_EQ(statistics.triangles, 195u);
   EXPECT_EQ(statistics.invalidTriangles, 5u);

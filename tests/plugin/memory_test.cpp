@@ -38,7 +38,8 @@ class PluginMemory : public testing::Test {
   void add_meshes(const OwnGeometry& geometry) const {
     std::vector<const void*> pointers;
     for (const TestMesh& mesh : meshes_) {
-      const StbvhMeshArguments arguments = arguments_of(mesh, pointers);
+      StbvhMeshArguments arguments = arguments_of(mesh, pointers);
+      arguments.geomID = stbvhGetMeshCount(geometry.get());
       ASSERT_EQ(stbvhAddMesh(geometry.get(), &arguments, nullptr), RTC_ERROR_NONE);
     }
   }
@@ -57,7 +58,7 @@ TEST_F(PluginMemory, FewerVerticesInTheLeavesTakeLess) {
     ASSERT_EQ(stbvhSetGeometryInlineShare(geometry.get(), share), RTC_ERROR_NONE);
     ASSERT_EQ(stbvhCommitGeometry(geometry.get()), RTC_ERROR_NONE);
     StbvhStatistics statistics;
-    statistics.byteSize = sizeof(statistics);
+    stbvhInitStatistics(&statistics);
     ASSERT_EQ(stbvhGetStatistics(geometry.get(), &statistics), RTC_ERROR_NONE);
     EXPECT_LT(statistics.structureBytes, previous) << share;
     previous = statistics.structureBytes;
@@ -71,7 +72,7 @@ TEST_F(PluginMemory, IsReportedAndGivenBack) {
     add_meshes(geometry);
     ASSERT_EQ(stbvhCommitGeometry(geometry.get()), RTC_ERROR_NONE);
     StbvhStatistics statistics;
-    statistics.byteSize = sizeof(statistics);
+    stbvhInitStatistics(&statistics);
     ASSERT_EQ(stbvhGetStatistics(geometry.get(), &statistics), RTC_ERROR_NONE);
     const auto built = static_cast<std::size_t>(monitor_.bytes - before);
     EXPECT_EQ(statistics.triangles, 5000u);
@@ -109,6 +110,7 @@ TEST_F(PluginMemory, AMonitorThatRefusesStopsTheBuild) {
     ASSERT_EQ(result, RTC_ERROR_OUT_OF_MEMORY);
     EXPECT_STREQ(stbvhGetErrorMessage(geometry.get()),
                  "out of memory, or the device's memory monitor refused");
+    EXPECT_EQ(rtcGetDeviceError(device_.get()), RTC_ERROR_OUT_OF_MEMORY);
     EXPECT_EQ(monitor_.bytes, before);
   }
 }
@@ -161,7 +163,7 @@ TEST_F(PluginMemory, AProgressFunctionThatReturnsFalseCancelsTheBuild) {
   OwnGeometry geometry(stbvhNewGeometry(device_.get()));
   add_meshes(geometry);
   Progress all;
-  ASSERT_EQ(stbvhSetProgressFunction(geometry.get(), on_progress, &all), RTC_ERROR_NONE);
+  ASSERT_EQ(stbvhSetGeometryProgressFunction(geometry.get(), on_progress, &all), RTC_ERROR_NONE);
   ASSERT_EQ(stbvhCommitGeometry(geometry.get()), RTC_ERROR_NONE);
   ASSERT_GE(all.calls, 2);
   EXPECT_TRUE(all.in_order);
@@ -169,7 +171,7 @@ TEST_F(PluginMemory, AProgressFunctionThatReturnsFalseCancelsTheBuild) {
   for (const int cancel_at : {0, all.calls / 2}) {
     Progress progress;
     progress.cancel_at = cancel_at;
-    ASSERT_EQ(stbvhSetProgressFunction(geometry.get(), on_progress, &progress), RTC_ERROR_NONE);
+    ASSERT_EQ(stbvhSetGeometryProgressFunction(geometry.get(), on_progress, &progress), RTC_ERROR_NONE);
     const RTCError error = stbvhCommitGeometry(geometry.get());
     if (progress.calls <= cancel_at) {  // how often a build asks depends on how its threads run
       ASSERT_EQ(error, RTC_ERROR_NONE);
@@ -177,13 +179,14 @@ TEST_F(PluginMemory, AProgressFunctionThatReturnsFalseCancelsTheBuild) {
     }
     ASSERT_EQ(error, RTC_ERROR_CANCELLED);
     EXPECT_NE(std::string(stbvhGetErrorMessage(geometry.get())).find("cancelled"), std::string::npos);
+    EXPECT_EQ(rtcGetDeviceError(device_.get()), RTC_ERROR_CANCELLED);
     EXPECT_EQ(monitor_.bytes, before);
     StbvhStatistics statistics;
-    statistics.byteSize = sizeof(statistics);
+    stbvhInitStatistics(&statistics);
     ASSERT_EQ(stbvhGetStatistics(geometry.get(), &statistics), RTC_ERROR_NONE);
     EXPECT_EQ(statistics.triangles, 0u);
   }
-  ASSERT_EQ(stbvhSetProgressFunction(geometry.get(), nullptr, nullptr), RTC_ERROR_NONE);
+  ASSERT_EQ(stbvhSetGeometryProgressFunction(geometry.get(), nullptr, nullptr), RTC_ERROR_NONE);
   EXPECT_EQ(stbvhCommitGeometry(geometry.get()), RTC_ERROR_NONE);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace stbvh::test {
@@ -150,14 +151,32 @@ RTCRayHit intersect(RTCScene scene, RTCRayHit ray, RTCIntersectContext* context)
   return ray;
 }
 
+/// By what an any-hit query left of the ray: nothing but tfar may have changed.
+static bool was_occluded(const RTCRay& before, RTCRay after) {
+  const bool occluded = after.tfar != before.tfar;
+  EXPECT_EQ(after.tfar, occluded ? -std::numeric_limits<float>::infinity() : before.tfar);
+  after.tfar = before.tfar;
+  EXPECT_EQ(std::memcmp(&after, &before, sizeof after), 0);
+  return occluded;
+}
+
 bool is_occluded(RTCScene scene, const RTCRayHit& query, RTCIntersectContext* context) {
   RTCIntersectContext plain;
   rtcInitIntersectContext(&plain);
   RTCRay ray = query.ray;
   rtcOccluded1(scene, context == nullptr ? &plain : context, &ray);
-  const bool occluded = ray.tfar != query.ray.tfar;
-  EXPECT_EQ(ray.tfar, occluded ? -std::numeric_limits<float>::infinity() : query.ray.tfar);
-  return occluded;
+  return was_occluded(query.ray, ray);
+}
+
+RTCRayHit intersect_directly(StbvhGeometry geometry, RTCRayHit ray, RTCIntersectContext* context) {
+  stbvhIntersect1(geometry, context, &ray);
+  return ray;
+}
+
+bool is_occluded_directly(StbvhGeometry geometry, const RTCRayHit& query, RTCIntersectContext* context) {
+  RTCRay ray = query.ray;
+  stbvhOccluded1(geometry, context, &ray);
+  return was_occluded(query.ray, ray);
 }
 
 void expect_same_hit(const RTCRayHit& native, const RTCRayHit& own) {

@@ -79,6 +79,11 @@ RTCRayHit intersect(RTCScene scene, RTCRayHit ray, RTCIntersectContext* context 
 /// Whether the ray is occluded: tfar must be -inf then, and unchanged otherwise.
 bool is_occluded(RTCScene scene, const RTCRayHit& ray, RTCIntersectContext* context = nullptr);
 
+/// The same by stbvhIntersect1 and stbvhOccluded1.
+RTCRayHit intersect_directly(StbvhGeometry geometry, RTCRayHit ray, RTCIntersectContext* context = nullptr);
+bool is_occluded_directly(StbvhGeometry geometry, const RTCRayHit& ray,
+                          RTCIntersectContext* context = nullptr);
+
 /// Same IDs; distance, u, v and normal within rounding.
 void expect_same_hit(const RTCRayHit& native, const RTCRayHit& own);
 

@@ -37,7 +37,10 @@ class PluginOutOfMemory : public testing::Test {
   /// What is still missing of: a geometry with all meshes, committed. Whether it is all there.
   bool build() {
     if (geometry_ == nullptr) geometry_.reset(stbvhNewGeometry(device_.get()));
-    if (geometry_ == nullptr) return false;
+    if (geometry_ == nullptr) {
+      EXPECT_STREQ(stbvhGetErrorMessage(nullptr), "out of memory for another geometry");
+      return false;
+    }
     RTCError error = RTC_ERROR_NONE;
     while (error == RTC_ERROR_NONE && stbvhGetMeshCount(geometry_.get()) < arguments_.size()) {
       error = stbvhAddMesh(geometry_.get(), &arguments_[stbvhGetMeshCount(geometry_.get())], nullptr);
@@ -93,6 +96,10 @@ TEST_F(PluginOutOfMemory, InEachAllocation) {
         const FailingAllocations failing(number, which);
         built = build();
         have_failed = failing.have_failed();
+      }
+      // Where there is memory again, the device can be told.
+      if (which == Which::kOne && !built) {
+        EXPECT_EQ(rtcGetDeviceError(device_.get()), RTC_ERROR_OUT_OF_MEMORY);
       }
       ASSERT_NO_FATAL_FAILURE(expect_recovery(built));
       ASSERT_TRUE(built || have_failed);

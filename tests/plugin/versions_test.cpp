@@ -98,6 +98,29 @@ TEST_F(PluginVersions, StatisticsOfAnOlderHeader) {
   EXPECT_EQ(statistics.peakBytes, 7u);
 }
 
+TEST(PluginVersion, TheLibrarysIsThatOfItsHeader) {
+  EXPECT_EQ(stbvhGetVersion(), STBVH_VERSION);
+  EXPECT_EQ(std::to_string(STBVH_VERSION_MAJOR) + "." + std::to_string(STBVH_VERSION_MINOR) + "." +
+                std::to_string(STBVH_VERSION_PATCH),
+            STBVH_VERSION_STRING);
+  EXPECT_EQ(stbvhGetVersion() / 10000, STBVH_VERSION_MAJOR);
+  EXPECT_EQ(stbvhGetVersion() / 100 % 100, STBVH_VERSION_MINOR);
+  EXPECT_EQ(stbvhGetVersion() % 100, STBVH_VERSION_PATCH);
+}
+
+TEST(PluginVersion, StatisticsAreInitialised) {
+  StbvhStatistics statistics;
+  std::memset(&statistics, 0x11, sizeof(statistics));
+  stbvhInitStatistics(&statistics);
+  const StbvhStatistics expected{.byteSize = sizeof(StbvhStatistics),
+                                 .triangles = 0,
+                                 .invalidTriangles = 0,
+                                 .primitiveSegments = 0,
+                                 .structureBytes = 0,
+                                 .peakBytes = 0};
+  EXPECT_EQ(std::memcmp(&statistics, &expected, sizeof(expected)), 0);
+}
+
 TEST_F(PluginVersions, SizesThatNoHeaderHasAreRefused) {
   StbvhMeshArguments arguments = arguments_of(mesh_, pointers_);
   for (const std::size_t size : {std::size_t{0}, std::size_t{8}, kOldArguments - 8, kOldArguments + 1,

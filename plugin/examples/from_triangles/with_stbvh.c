@@ -1,4 +1,5 @@
 #include <stbvh/stbvh_embree.h>
+#include <stdio.h>
 
 #include "ribbon.h"
 
@@ -17,8 +18,8 @@ void attach_with_stbvh(RTCDevice device, RTCScene scene, const struct Ribbon* ri
     steps[step] = ribbon->vertices[step];
   }
   geometry = stbvhNewGeometry(device);
-  stbvhAddMesh(geometry, &mesh, NULL);
-  stbvhCommitGeometry(geometry);
+  if (stbvhAddMesh(geometry, &mesh, NULL) || stbvhCommitGeometry(geometry))
+    fprintf(stderr, "stbvh: %s\n", stbvhGetErrorMessage(geometry));
   rtcAttachGeometry(scene, stbvhGetGeometry(geometry));
 }
 

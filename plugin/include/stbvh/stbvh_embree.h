@@ -6,8 +6,7 @@
  *   struct StbvhMeshArguments mesh;
  *   stbvhInitMeshArguments(&mesh);
  *   mesh.indices = ...; mesh.vertices = ...; mesh.stepCount = 9; ...
- *   stbvhAddMesh(g, &mesh, NULL);
- *   stbvhCommitGeometry(g);
+ *   if (stbvhAddMesh(g, &mesh, NULL) || stbvhCommitGeometry(g)) puts(stbvhGetErrorMessage(g));
  *   rtcAttachGeometry(scene, stbvhGetGeometry(g));
  *   rtcCommitScene(scene);
  *   ... rtcIntersect1(scene, ...) ...
@@ -15,9 +14,15 @@
  *
  * C99 and C++. What is answered in which query: docs/api.md.
  *
- * Errors. Functions return an RTCError; the reason, as one sentence, is kept by the handle
- * (stbvhGetErrorMessage). No function aborts or throws on bad input. Where Embree itself refuses memory, the
- * device's error is set as well.
+ * Errors. Functions return an RTCError, and compilers warn where it is dropped; stbvhGetErrorMessage gives
+ * the reason as one sentence. As with Embree's own functions, the device's error is set too
+ * (rtcGetDeviceError) and its error function is called, on the thread of the failing call; without a device
+ * or a handle it is the thread's error, that of rtcGetDeviceError(NULL). The text that the error function is
+ * given is Embree's, and general; within it stbvhGetErrorMessage has the reason. No function aborts or throws
+ * on bad input.
+ *
+ * Setters. stbvhSetGeometry...(geometry, value) sets a property of the geometry from the next commit on. A
+ * value out of range is refused with RTC_ERROR_INVALID_ARGUMENT and changes nothing.
  *
  * Commits. As with Embree's own geometries, rtcCommitScene fails with RTC_ERROR_INVALID_OPERATION while a
  * scene holds a geometry that has not been committed yet, or not since a mesh was added or set, or the
@@ -34,11 +39,12 @@
  * Versions. Structs begin with their size, so that a library runs with programs that were compiled with an
  * older header of the same soname: members that the older header does not have keep their defaults, and are
  * not written. A struct larger than the library's own is refused. Later versions append members, and change
- * none.
+ * none. The macros STBVH_VERSION... name the version of the header, stbvhGetVersion that of the library.
  *
- * Threads. Queries run on any number of threads at once. Retain and release are atomic. All other functions
- * on one handle are for one thread at a time, and, like the last release, not while a scene that holds the
- * geometry is queried or committed. Different handles are independent.
+ * Threads. Queries, by a scene or by stbvhIntersect1 and stbvhOccluded1, run on any number of threads at
+ * once. Retain and release are atomic. All other functions on one handle are for one thread at a time, and,
+ * like the last release, not while the geometry is queried or a scene that holds it is committed. Different
+ * handles are independent.
  */
 #ifndef STBVH_EMBREE_H
 #define STBVH_EMBREE_H
@@ -52,9 +58,30 @@
 #define STBVH_API
 #endif
 
+/** Before functions whose result must be looked at: the compiler warns where it is dropped. */
+#if defined(__cplusplus) && __cplusplus >= 201703L
+#define STBVH_NODISCARD [[nodiscard]]
+#elif defined(__GNUC__)
+#define STBVH_NODISCARD __attribute__((warn_unused_result))
+#else
+#define STBVH_NODISCARD
+#endif
+
+/** Version of this header. */
+#define STBVH_VERSION_MAJOR 0
+#define STBVH_VERSION_MINOR 1
+#define STBVH_VERSION_PATCH 0
+/** The same as one number that grows with each version, as RTC_VERSION: 10203 is 1.2.3. */
+#define STBVH_VERSION (STBVH_VERSION_MAJOR * 10000 + STBVH_VERSION_MINOR * 100 + STBVH_VERSION_PATCH)
+/** The same as text. */
+#define STBVH_VERSION_STRING "0.1.0"
+
 #ifdef __cplusplus
 extern "C" {
 #endif
+
+/** STBVH_VERSION of the library that runs, which may be newer than the header. */
+STBVH_API unsigned int stbvhGetVersion(void);
 
 /** Most steps of a mesh, as in Embree. */
 #define STBVH_MAX_STEP_COUNT RTC_MAX_TIME_STEP_COUNT
@@ -95,7 +122,8 @@ struct StbvhMeshArguments {
 
   unsigned int mask;   /**< hit by rays with (ray.mask & mask) != 0; default 0xFFFFFFFF */
   unsigned int geomID; /**< reported in hits; RTC_INVALID_GEOMETRY_ID (default): the ID under which the
-                          geometry is attached */
+                          geometry is attached. Of all meshes of a geometry one at most may have the default:
+                          the primIDs of two would overlap. */
   void* userPtr;       /**< geometryUserPtr of this mesh's filters; default null */
   RTCFilterFunctionN intersectFilter; /**< as rtcSetGeometryIntersectFilterFunction; default null */
   RTCFilterFunctionN occludedFilter;  /**< as rtcSetGeometryOccludedFilterFunction; default null */
@@ -121,9 +149,9 @@ static inline void stbvhInitMeshArguments(struct StbvhMeshArguments* arguments) 
   arguments->occludedFilter = NULL;
 }
 
-/** What the last successful commit built. */
+/** What the last successful commit built. Initialise with stbvhInitStatistics first. */
 struct StbvhStatistics {
-  size_t byteSize;          /**< sizeof(struct StbvhStatistics), set by the caller */
+  size_t byteSize;          /**< sizeof(struct StbvhStatistics), set by stbvhInitStatistics */
   size_t triangles;         /**< valid triangles */
   size_t invalidTriangles;  /**< triangles left out */
   size_t primitiveSegments; /**< sum over valid triangles of max(stepCount - 1, 1) */
@@ -131,9 +159,19 @@ struct StbvhStatistics {
   size_t peakBytes;         /**< structure and temporary memory of the build at their largest */
 };
 
+/** Sets byteSize, and all else to zero. */
+static inline void stbvhInitStatistics(struct StbvhStatistics* statistics) {
+  statistics->byteSize = sizeof(struct StbvhStatistics);
+  statistics->triangles = 0;
+  statistics->invalidTriangles = 0;
+  statistics->primitiveSegments = 0;
+  statistics->structureBytes = 0;
+  statistics->peakBytes = 0;
+}
+
 /**
  * Creates an empty geometry with one reference. The device is retained until the handle dies.
- * Returns null for a null device or without memory.
+ * Returns null for a null device or without memory; stbvhGetErrorMessage(NULL) then says which.
  */
 STBVH_API StbvhGeometry stbvhNewGeometry(RTCDevice device);
 
@@ -148,26 +186,27 @@ STBVH_API void stbvhReleaseGeometry(StbvhGeometry geometry);
  * stored to `meshIndex` unless that is null. RTC_ERROR_INVALID_ARGUMENT, and nothing added: arguments null,
  * not initialised or from a newer header; no steps or more than STBVH_MAX_STEP_COUNT; a buffer or array
  * missing or misaligned; a stride too small or misaligned; counts and strides that reach beyond the end of
- * memory; times not finite, startTime >= endTime, or with several steps next to nothing between them. Nothing
- * that is added is refused by the commit.
+ * memory; times not finite, startTime >= endTime, or with several steps next to nothing between them. Of
+ * what was added the commit refuses a second mesh with the default geomID, and nothing else.
  */
-STBVH_API enum RTCError stbvhAddMesh(StbvhGeometry geometry, const struct StbvhMeshArguments* arguments,
-                                     unsigned int* meshIndex);
+STBVH_NODISCARD STBVH_API enum RTCError stbvhAddMesh(StbvhGeometry geometry,
+                                                     const struct StbvhMeshArguments* arguments,
+                                                     unsigned int* meshIndex);
 
 /**
  * Replaces a mesh; errors as in stbvhAddMesh, then the mesh stays as it was. It takes effect at the next
  * commit, also a change of mask, IDs or filters alone. A mesh whose buffers changed in place needs no call
  * but the commit. To hide a mesh give it triangleCount 0 or mask 0.
  */
-STBVH_API enum RTCError stbvhSetMesh(StbvhGeometry geometry, unsigned int meshIndex,
-                                     const struct StbvhMeshArguments* arguments);
+STBVH_NODISCARD STBVH_API enum RTCError stbvhSetMesh(StbvhGeometry geometry, unsigned int meshIndex,
+                                                     const struct StbvhMeshArguments* arguments);
 
 /**
  * Reads back a mesh, to change some members and give it to stbvhSetMesh. The arrays `vertices` and
  * `vertexByteStrides` belong to the handle and are valid until the mesh is set again.
  */
-STBVH_API enum RTCError stbvhGetMesh(StbvhGeometry geometry, unsigned int meshIndex,
-                                     struct StbvhMeshArguments* arguments);
+STBVH_NODISCARD STBVH_API enum RTCError stbvhGetMesh(StbvhGeometry geometry, unsigned int meshIndex,
+                                                     struct StbvhMeshArguments* arguments);
 
 /** Number of meshes added; 0 for null. */
 STBVH_API unsigned int stbvhGetMeshCount(StbvhGeometry geometry);
@@ -186,23 +225,29 @@ enum StbvhPrecision
   STBVH_PRECISION_FAST = 1
 };
 
-/** Sets the precision from the next commit on; RTC_ERROR_INVALID_ARGUMENT for a value that is not listed. */
-STBVH_API enum RTCError stbvhSetGeometryPrecision(StbvhGeometry geometry, enum StbvhPrecision precision);
+/** Sets how rays are tested; a value that is not listed is refused. */
+STBVH_NODISCARD STBVH_API enum RTCError stbvhSetGeometryPrecision(StbvhGeometry geometry,
+                                                                  enum StbvhPrecision precision);
+
+/** The inline share called compact: a third of the bytes of Embree's own tree, at about its speed or better
+ * (docs/results.md). */
+#define STBVH_INLINE_SHARE_COMPACT 0.25f
 
 /**
- * Trades speed for memory from the next commit on. Copies of the vertices inside the tree's leaves make it
- * fast and are three quarters of its bytes; `share` of them is kept, 0 to 1 (default), where rays profit
- * most, and the other leaves read the mesh's buffers. 0.25 is a third of the bytes of Embree's own tree at
- * about its speed or better (docs/results.md). RTC_ERROR_INVALID_ARGUMENT for a share outside [0, 1].
+ * Sets the inline share, which trades speed for memory. Copies of the vertices inside the tree's leaves make
+ * it fast and are three quarters of its bytes; this share of them is kept, where rays profit most, and the
+ * other leaves read the mesh's buffers. 0 to 1 (default); what lies outside is refused.
  */
-STBVH_API enum RTCError stbvhSetGeometryInlineShare(StbvhGeometry geometry, float share);
+STBVH_NODISCARD STBVH_API enum RTCError stbvhSetGeometryInlineShare(StbvhGeometry geometry, float share);
 
 /**
  * Sets a function that stbvhCommitGeometry calls with the fraction done, 0 to 1, never decreasing, one call
- * at a time but possibly on a worker thread. Returning false cancels the build. Null (default): none.
+ * at a time but possibly on a worker thread. Returning false cancels the build. Null (default): none. Alone
+ * among the properties it may be set without a commit afterwards.
  */
-STBVH_API enum RTCError stbvhSetProgressFunction(StbvhGeometry geometry, RTCProgressMonitorFunction progress,
-                                                 void* userPtr);
+STBVH_NODISCARD STBVH_API enum RTCError stbvhSetGeometryProgressFunction(StbvhGeometry geometry,
+                                                                         RTCProgressMonitorFunction progress,
+                                                                         void* userPtr);
 
 /**
  * Builds the tree over all meshes and commits the RTCGeometry; scenes that hold it need rtcCommitScene
@@ -211,11 +256,12 @@ STBVH_API enum RTCError stbvhSetProgressFunction(StbvhGeometry geometry, RTCProg
  * All memory is allocated through rtcNewBuffer, so the device's memory monitor is told of every byte, and the
  * temporary memory of the build is announced to it in the same way, in blocks of 1 MB and more.
  *
- * RTC_ERROR_OUT_OF_MEMORY: no memory, or the monitor refused; RTC_ERROR_CANCELLED: the progress function
- * returned false; RTC_ERROR_UNKNOWN: anything else. After an error the geometry is empty (it hits nothing)
- * until a commit succeeds, and all memory has been given back.
+ * RTC_ERROR_INVALID_OPERATION: two or more meshes have the default geomID; RTC_ERROR_OUT_OF_MEMORY: no
+ * memory, or the monitor refused; RTC_ERROR_CANCELLED: the progress function returned false;
+ * RTC_ERROR_UNKNOWN: anything else. After an error the geometry is empty (it hits nothing) until a commit
+ * succeeds, and all memory has been given back.
  */
-STBVH_API enum RTCError stbvhCommitGeometry(StbvhGeometry geometry);
+STBVH_NODISCARD STBVH_API enum RTCError stbvhCommitGeometry(StbvhGeometry geometry);
 
 /**
  * The geometry to attach: RTC_GEOMETRY_TYPE_USER with one primitive. Any number of scenes may hold it, also
@@ -226,12 +272,32 @@ STBVH_API enum RTCError stbvhCommitGeometry(StbvhGeometry geometry);
  */
 STBVH_API RTCGeometry stbvhGetGeometry(StbvhGeometry geometry);
 
+/**
+ * Closest hit in this geometry alone, without a scene and without Embree's tree above it: for applications
+ * that ask their moving meshes apart from what else there is. Ray and hit are those of rtcIntersect1, and
+ * come back with the same bits as from rtcIntersect1 on a scene that holds only this geometry: masks, time
+ * ranges, the meshes' filters and the context's work alike. Differences: a mesh with the default geomID
+ * reports its index, and the end of a time range (docs/api.md).
+ *
+ * A null context is one from rtcInitIntersectContext: no filter of its own, and no instance. The last commit
+ * answers, whatever was added or set since; before the first one and after a failed one nothing is hit. A
+ * query allocates nothing and locks nothing.
+ */
+STBVH_API void stbvhIntersect1(StbvhGeometry geometry, struct RTCIntersectContext* context,
+                               struct RTCRayHit* rayhit);
+
+/** Any hit, likewise: sets ray->tfar to -inf as rtcOccluded1 does. */
+STBVH_API void stbvhOccluded1(StbvhGeometry geometry, struct RTCIntersectContext* context,
+                              struct RTCRay* ray);
+
 /** What was built; all zero before the first commit and after a failed one. */
-STBVH_API enum RTCError stbvhGetStatistics(StbvhGeometry geometry, struct StbvhStatistics* statistics);
+STBVH_NODISCARD STBVH_API enum RTCError stbvhGetStatistics(StbvhGeometry geometry,
+                                                           struct StbvhStatistics* statistics);
 
 /**
  * Why the last failing call on this handle failed, in one sentence; "" if none did. Valid until the next call
- * on the handle. For a null handle it says so.
+ * on the handle. With null: why the last failing call of this thread that had no handle failed,
+ * stbvhNewGeometry or another function that was given null.
  */
 STBVH_API const char* stbvhGetErrorMessage(StbvhGeometry geometry);
 
