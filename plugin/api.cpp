@@ -27,6 +27,10 @@ namespace {
 
 using stbvh::plugin::ApiError;
 using stbvh::plugin::MeshDescription;
+using stbvh::plugin::new_context;
+using stbvh::plugin::Published;
+using stbvh::plugin::QueryContext;
+using stbvh::plugin::QueryFilter;
 using stbvh::plugin::set_device_error;
 
 static_assert(std::string_view(STBVH_VERSION_STRING) == STBVH_PROJECT_VERSION);
@@ -71,24 +75,18 @@ RTCError guarded(StbvhGeometry handle, Function&& function) noexcept {
   }
 }
 
-/// Runs `function` on what the last commit built, its default geomID, and a context that is not null. Others
-/// may query the handle at once, so its message stays as it is: only the device is told of what filters
-/// throw.
+/// Runs `function` on what the last commit built and its default geomID. Others may query the handle at once,
+/// so its message stays as it is: only the device is told of what filters throw.
 template <typename Function>
-void query(StbvhGeometry handle, RTCIntersectContext* context, Function&& function) noexcept {
+void query(StbvhGeometry handle, Function&& function) noexcept {
   if (handle == nullptr) {
     fail_without_handle(nullptr, RTC_ERROR_INVALID_ARGUMENT, kNullGeometry);
     return;
   }
   const stbvh::plugin::Geometry& geometry = handle->geometry;
   if (geometry.published() == nullptr) return;
-  RTCIntersectContext plain;
-  if (context == nullptr) {
-    rtcInitIntersectContext(&plain);
-    context = &plain;
-  }
   try {
-    function(*geometry.published(), geometry.default_mesh(), context);
+    function(*geometry.published(), geometry.default_mesh());
   } catch (const std::bad_alloc&) {
     set_device_error(geometry.device(), RTC_ERROR_OUT_OF_MEMORY);
   } catch (...) {
@@ -211,17 +209,55 @@ RTCGeometry stbvhGetGeometry(StbvhGeometry geometry) {
   return geometry == nullptr ? nullptr : geometry->geometry.rtc_geometry();
 }
 
+#if RTC_VERSION_MAJOR >= 4
+
+void stbvhIntersect1(StbvhGeometry geometry, RTCRayHit* rayhit, RTCIntersectArguments* arguments) {
+  query(geometry, [=](const Published& published, unsigned geom_id) {
+    QueryContext plain = new_context();
+    QueryContext* const context =
+        arguments == nullptr || arguments->context == nullptr ? &plain : arguments->context;
+    const QueryFilter filter = arguments == nullptr ? QueryFilter{} : stbvh::plugin::filter_of(*arguments);
+    intersect_one(published, geom_id, context, filter, rayhit);
+  });
+}
+
+void stbvhOccluded1(StbvhGeometry geometry, RTCRay* ray, RTCOccludedArguments* arguments) {
+  query(geometry, [=](const Published& published, unsigned geom_id) {
+    QueryContext plain = new_context();
+    QueryContext* const context =
+        arguments == nullptr || arguments->context == nullptr ? &plain : arguments->context;
+    const QueryFilter filter = arguments == nullptr ? QueryFilter{} : stbvh::plugin::filter_of(*arguments);
+    occluded_one(published, geom_id, context, filter, ray);
+  });
+}
+
+void stbvhIntersectFunctionN(const RTCIntersectFunctionNArguments* arguments) {
+  stbvh::plugin::intersect_callback(arguments);
+}
+
+void stbvhOccludedFunctionN(const RTCOccludedFunctionNArguments* arguments) {
+  stbvh::plugin::occluded_callback(arguments);
+}
+
+#else
+
 void stbvhIntersect1(StbvhGeometry geometry, RTCIntersectContext* context, RTCRayHit* rayhit) {
-  query(geometry, context, [=](const auto& published, unsigned geom_id, RTCIntersectContext* given) {
-    stbvh::plugin::intersect_one(published, geom_id, given, rayhit);
+  query(geometry, [=](const Published& published, unsigned geom_id) {
+    QueryContext plain = new_context();
+    QueryContext* const given = context == nullptr ? &plain : context;
+    intersect_one(published, geom_id, given, {given->filter}, rayhit);
   });
 }
 
 void stbvhOccluded1(StbvhGeometry geometry, RTCIntersectContext* context, RTCRay* ray) {
-  query(geometry, context, [=](const auto& published, unsigned geom_id, RTCIntersectContext* given) {
-    stbvh::plugin::occluded_one(published, geom_id, given, ray);
+  query(geometry, [=](const Published& published, unsigned geom_id) {
+    QueryContext plain = new_context();
+    QueryContext* const given = context == nullptr ? &plain : context;
+    occluded_one(published, geom_id, given, {given->filter}, ray);
   });
 }
+
+#endif
 
 RTCError stbvhGetStatistics(StbvhGeometry geometry, StbvhStatistics* statistics) {
   return guarded(geometry, [&](stbvh::plugin::Geometry& g) {

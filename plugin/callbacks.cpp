@@ -32,7 +32,7 @@ inline const Ray& ray_of(const Lane& lane, Ray& copy) {
 inline void intersect_lane(const Lane& lane) {
   Ray copy;
   const Ray& ray = ray_of(lane, copy);
-  if (lane.published->has_intersect_filters || context_filter_of(lane) != nullptr) {
+  if (lane.published->has_intersect_filters || has_query_filter(lane)) {
     intersect_filtered(lane, ray);
     return;
   }
@@ -46,10 +46,26 @@ inline void intersect_lane(const Lane& lane) {
 inline void occluded_lane(const Lane& lane) {
   Ray copy;
   const Ray& ray = ray_of(lane, copy);
-  const bool filtered = lane.published->has_occluded_filters || context_filter_of(lane) != nullptr;
+  const bool filtered = lane.published->has_occluded_filters || has_query_filter(lane);
   const bool occluded = filtered ? occluded_filtered(lane, ray) : lane.published->structure->occluded(ray);
   if (occluded) {
     RTCRayN_tfar(lane.rays, lane.size, lane.index) = -std::numeric_limits<float>::infinity();
+  }
+}
+
+/// Calls `trace` with each valid lane of a callback's packet.
+template <typename Arguments, typename Trace>
+inline void for_each_lane(const Published& published, const Arguments* arguments, RTCRayN* rays,
+                          Trace&& trace) {
+  const QueryFilter filter = published.runs_query_filters ? filter_of_query(arguments) : QueryFilter{};
+  if (arguments->N == 1) {  // most rays: offsets known when this is compiled
+    if (arguments->valid[0] != 0)
+      trace({&published, arguments->context, filter, rays, 1, 0, arguments->geomID});
+    return;
+  }
+  for (unsigned i = 0; i < arguments->N; ++i) {
+    if (arguments->valid[i] != 0)
+      trace({&published, arguments->context, filter, rays, arguments->N, i, arguments->geomID});
   }
 }
 
@@ -71,41 +87,24 @@ void bounds_callback(const RTCBoundsFunctionArguments* arguments) {
 void intersect_callback(const RTCIntersectFunctionNArguments* arguments) {
   const auto* const published = static_cast<const Published*>(arguments->geometryUserPtr);
   if (published->structure == nullptr) return;
-  RTCRayN* const rays = RTCRayHitN_RayN(arguments->rayhit, arguments->N);
-  if (arguments->N == 1) {  // most rays: offsets known when this is compiled
-    if (arguments->valid[0] != 0) {
-      intersect_lane({published, arguments->context, rays, 1, 0, arguments->geomID});
-    }
-    return;
-  }
-  for (unsigned i = 0; i < arguments->N; ++i) {
-    if (arguments->valid[i] == 0) continue;
-    intersect_lane({published, arguments->context, rays, arguments->N, i, arguments->geomID});
-  }
+  for_each_lane(*published, arguments, RTCRayHitN_RayN(arguments->rayhit, arguments->N),
+                [](const Lane& lane) { intersect_lane(lane); });
 }
 
 void occluded_callback(const RTCOccludedFunctionNArguments* arguments) {
   const auto* const published = static_cast<const Published*>(arguments->geometryUserPtr);
   if (published->structure == nullptr) return;
-  if (arguments->N == 1) {
-    if (arguments->valid[0] != 0) {
-      occluded_lane({published, arguments->context, arguments->ray, 1, 0, arguments->geomID});
-    }
-    return;
-  }
-  for (unsigned i = 0; i < arguments->N; ++i) {
-    if (arguments->valid[i] == 0) continue;
-    occluded_lane({published, arguments->context, arguments->ray, arguments->N, i, arguments->geomID});
-  }
+  for_each_lane(*published, arguments, arguments->ray, [](const Lane& lane) { occluded_lane(lane); });
 }
 
-void intersect_one(const Published& published, unsigned geom_id, RTCIntersectContext* context,
+void intersect_one(const Published& published, unsigned geom_id, QueryContext* context, QueryFilter filter,
                    RTCRayHit* rayhit) {
-  intersect_lane({&published, context, reinterpret_cast<RTCRayN*>(&rayhit->ray), 1, 0, geom_id});
+  intersect_lane({&published, context, filter, reinterpret_cast<RTCRayN*>(&rayhit->ray), 1, 0, geom_id});
 }
 
-void occluded_one(const Published& published, unsigned geom_id, RTCIntersectContext* context, RTCRay* ray) {
-  occluded_lane({&published, context, reinterpret_cast<RTCRayN*>(ray), 1, 0, geom_id});
+void occluded_one(const Published& published, unsigned geom_id, QueryContext* context, QueryFilter filter,
+                  RTCRay* ray) {
+  occluded_lane({&published, context, filter, reinterpret_cast<RTCRayN*>(ray), 1, 0, geom_id});
 }
 
 }  // namespace stbvh::plugin

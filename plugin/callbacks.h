@@ -2,8 +2,7 @@
 /// one ray without Embree.
 #pragma once
 
-#include <embree3/rtcore.h>
-
+#include "plugin/embree_api.h"
 #include "plugin/published.h"
 
 namespace stbvh::plugin {
@@ -13,8 +12,9 @@ void intersect_callback(const RTCIntersectFunctionNArguments* arguments);
 void occluded_callback(const RTCOccludedFunctionNArguments* arguments);
 
 /// `published` must have a structure; `geom_id` is that of its mesh without one of its own.
-void intersect_one(const Published& published, unsigned geom_id, RTCIntersectContext* context,
+void intersect_one(const Published& published, unsigned geom_id, QueryContext* context, QueryFilter filter,
                    RTCRayHit* rayhit);
-void occluded_one(const Published& published, unsigned geom_id, RTCIntersectContext* context, RTCRay* ray);
+void occluded_one(const Published& published, unsigned geom_id, QueryContext* context, QueryFilter filter,
+                  RTCRay* ray);
 
 }  // namespace stbvh::plugin

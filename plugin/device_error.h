@@ -1,7 +1,7 @@
 /// Setting the error of an Embree device, as Embree's own functions do when they fail.
 #pragma once
 
-#include <embree3/rtcore.h>
+#include "plugin/embree_api.h"
 
 namespace stbvh::plugin {
 

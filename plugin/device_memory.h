@@ -1,12 +1,12 @@
 /// Memory that the memory monitor of an Embree device is told of.
 #pragma once
 
-#include <embree3/rtcore.h>
-
 #include <atomic>
 #include <cstddef>
 #include <mutex>
 #include <vector>
+
+#include "plugin/embree_api.h"
 
 namespace stbvh::plugin {
 

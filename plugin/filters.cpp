@@ -20,18 +20,20 @@ class FilterCall {
       store_hit(hits(), lane.size, i, candidate, geom_id, lane.context);
   }
 
-  /// Runs the mesh's filter and then the context's, those that are not null; false if one rejects.
-  bool accepts(RTCFilterFunctionN mesh_filter, void* user_ptr) {
-    if (mesh_filter == nullptr && context_filter_of(lane_) == nullptr) return true;
+  /// Runs the mesh's filter and then the query's, those that are not null; false if one rejects.
+  bool accepts(RTCFilterFunctionN mesh_filter, const PublishedMesh& mesh) {
+    const bool takes_query_filter = lane_.query_filter.on_all_meshes || mesh.takes_query_filters;
+    const RTCFilterFunctionN query_filter = takes_query_filter ? lane_.query_filter.function : nullptr;
+    if (mesh_filter == nullptr && query_filter == nullptr) return true;
     RTCFilterFunctionNArguments arguments;
     arguments.valid = valid_;
     const auto translate = lane_.published->filter_user_ptr;
-    arguments.geometryUserPtr = translate == nullptr ? user_ptr : translate(user_ptr);
+    arguments.geometryUserPtr = translate == nullptr ? mesh.user_ptr : translate(mesh.user_ptr);
     arguments.context = lane_.context;
     arguments.ray = lane_.rays;
     arguments.hit = hits();
     arguments.N = lane_.size;
-    for (const RTCFilterFunctionN filter : {mesh_filter, context_filter_of(lane_)}) {
+    for (const RTCFilterFunctionN filter : {mesh_filter, query_filter}) {
       if (filter == nullptr) continue;
       filter(&arguments);
       if (valid_[lane_.index] == 0) return false;
@@ -50,9 +52,15 @@ class FilterCall {
   }
 
  private:
+#if defined(RTC_GEOMETRY_INSTANCE_ARRAY)
+  static constexpr unsigned kHitMembers = 7 + 2 * RTC_MAX_INSTANCE_LEVEL_COUNT;
+#else
   static constexpr unsigned kHitMembers = 7 + RTC_MAX_INSTANCE_LEVEL_COUNT;
+#endif
 
-  RTCHitN* hits() { return reinterpret_cast<RTCHitN*>(hits_); }
+  RTCHitN* hits() {
+    return reinterpret_cast<RTCHitN*>(hits_);
+  }
 
   const Lane& lane_;
   alignas(64) int valid_[kMaxPacket];
@@ -67,7 +75,7 @@ float& tfar(const Lane& lane) {
 bool passes(FilterCall& call, const Lane& lane, const Hit& candidate, RTCFilterFunctionN mesh_filter) {
   const float old_tfar = tfar(lane);
   tfar(lane) = candidate.t;
-  const bool accepted = call.accepts(mesh_filter, lane.published->meshes[candidate.mesh].user_ptr);
+  const bool accepted = call.accepts(mesh_filter, lane.published->meshes[candidate.mesh]);
   if (!accepted) tfar(lane) = old_tfar;
   return accepted;
 }

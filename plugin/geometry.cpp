@@ -11,7 +11,8 @@ namespace {
 
 PublishedMesh published_mesh(const MeshDescription& mesh) {
   const StbvhMeshArguments arguments = mesh.arguments();
-  return {arguments.geomID, arguments.userPtr, arguments.intersectFilter, arguments.occludedFilter};
+  return {arguments.geomID, arguments.userPtr, arguments.intersectFilter, arguments.occludedFilter,
+          mesh.takes_query_filters()};
 }
 
 RTCDevice retained(RTCDevice device) {
@@ -99,6 +100,7 @@ BuildCallbacks Geometry::build_callbacks(TemporaryMemory& temporary_memory) cons
 
 std::unique_ptr<Published> Geometry::build(TemporaryMemory& temporary_memory) const {
   auto published = std::make_unique<Published>();
+  published->runs_query_filters = keeps_options_behind_arguments();
   std::vector<MeshView> views;
   std::vector<MeshMotion> motions;
   for (const MeshDescription& mesh : meshes_) {

@@ -33,6 +33,14 @@ class MeshDescription {
   MeshView view() const;
 
   unsigned geom_id() const { return arguments_.geomID; }
+  /// Whether a query's filter is to run on it also where the query does not ask for that.
+  bool takes_query_filters() const {
+#if RTC_VERSION_MAJOR >= 4
+    return arguments_.enableFilterFunctionFromArguments != 0;
+#else
+    return false;
+#endif
+  }
 
  private:
   StbvhMeshArguments arguments_;

@@ -1,11 +1,10 @@
 /// What the callbacks of a user geometry see: one immutable snapshot for each commit.
 #pragma once
 
-#include <embree3/rtcore.h>
-
 #include <memory>
 #include <vector>
 
+#include "plugin/embree_api.h"
 #include "plugin/motion_grid.h"
 #include "stbvh/structure.h"
 
@@ -17,6 +16,7 @@ struct PublishedMesh {
   void* user_ptr;
   RTCFilterFunctionN intersect_filter;
   RTCFilterFunctionN occluded_filter;
+  bool takes_query_filters = false;  ///< also those that are not for all meshes
 };
 
 /// The user data of the RTCGeometry points to one of these. Without a structure it is empty and hits nothing.
@@ -26,7 +26,8 @@ struct Published {
       0;  ///< union of the meshes': Embree tests it before it calls, the kernels test each mesh's own
   bool has_intersect_filters = false;
   bool has_occluded_filters = false;
-  bool runs_context_filters = true;  ///< those that rays bring with their context
+  bool runs_query_filters = true;          ///< those that rays bring with their queries
+  bool meshes_take_query_filters = false;  ///< some, also those that are not for all meshes
   /// What filters are given for a mesh's user_ptr, asked once for each hit that they see; null: the pointer.
   void* (*filter_user_ptr)(void* user_ptr) = nullptr;
   MotionGrid grid{{0.0f, 1.0f}, {Box3f::empty()}};
@@ -37,6 +38,7 @@ struct Published {
     mask |= mesh_mask;
     has_intersect_filters |= mesh.intersect_filter != nullptr;
     has_occluded_filters |= mesh.occluded_filter != nullptr;
+    meshes_take_query_filters |= mesh.takes_query_filters;
   }
 };
 

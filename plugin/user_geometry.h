@@ -1,8 +1,6 @@
 /// The geometry through which Embree asks one of our structures.
 #pragma once
 
-#include <embree3/rtcore.h>
-
 #include <memory>
 #include <new>
 #include <utility>

@@ -1,6 +1,5 @@
 #include "harness/report/machine.h"
 
-#include <embree3/rtcore.h>
 #include <fmt/format.h>
 #include <sched.h>
 #include <unistd.h>
@@ -8,6 +7,7 @@
 #include <fstream>
 #include <new>
 
+#include "plugin/embree_api.h"
 #include "stbvh/isa.h"
 #include "stbvh_commit.h"
 

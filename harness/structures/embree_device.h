@@ -1,8 +1,6 @@
 /// Embree objects with owners, and errors as exceptions.
 #pragma once
 
-#include <embree3/rtcore.h>
-
 #include <memory>
 #include <string>
 #include <string_view>
@@ -11,6 +9,7 @@
 #include "harness/scenes/scene.h"
 #include "harness/structures/memory_monitor.h"
 #include "harness/structures/structure_under_test.h"
+#include "plugin/embree_api.h"
 
 namespace stbvh::harness {
 

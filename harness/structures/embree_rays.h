@@ -2,9 +2,8 @@
 /// none pays more for it than another.
 #pragma once
 
-#include <embree3/rtcore.h>
-
 #include "harness/structures/hit_record.h"
+#include "plugin/embree_api.h"
 
 namespace stbvh::harness {
 
@@ -53,12 +52,6 @@ inline Hit to_hit(const RTCRayHit& query, std::uint32_t geom_id) {
 /// Answer to an occlusion query: Embree sets tfar to -inf where something is in the way.
 inline HitRecord to_occlusion_record(const RTCRay& ray) {
   return {ray.tfar, ray.tfar < 0.0f ? 0u : kInvalidId, ray.tfar < 0.0f ? 0u : kInvalidId};
-}
-
-inline RTCIntersectContext new_context() {
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  return context;
 }
 
 }  // namespace stbvh::harness

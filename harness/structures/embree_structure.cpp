@@ -33,36 +33,36 @@ bool EmbreeStructure::occluded_one(const Ray& ray) const {
 }
 
 void intersect_scene(RTCScene scene, std::span<const Ray> rays, std::span<HitRecord> hits) {
-  RTCIntersectContext context = new_context();
+  plugin::RayQuery embree;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     RTCRayHit query = to_embree_query(rays[i]);
-    rtcIntersect1(scene, &context, &query);
+    embree.intersect(scene, query);
     hits[i] = to_hit_record(query);
   }
 }
 
 void occluded_scene(RTCScene scene, std::span<const Ray> rays, std::span<HitRecord> hits) {
-  RTCIntersectContext context = new_context();
+  plugin::RayQuery embree;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     RTCRay ray = to_embree(rays[i]);
-    rtcOccluded1(scene, &context, &ray);
+    embree.occluded(scene, ray);
     hits[i] = to_occlusion_record(ray);
   }
 }
 
 bool intersect_scene(RTCScene scene, const Ray& ray, Hit& hit) {
-  RTCIntersectContext context = new_context();
+  plugin::RayQuery embree;
   RTCRayHit query = to_embree_query(ray);
-  rtcIntersect1(scene, &context, &query);
+  embree.intersect(scene, query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
   hit = to_hit(query, query.hit.geomID);
   return true;
 }
 
 bool occluded_scene(RTCScene scene, const Ray& ray) {
-  RTCIntersectContext context = new_context();
+  plugin::RayQuery embree;
   RTCRay query = to_embree(ray);
-  rtcOccluded1(scene, &context, &query);
+  embree.occluded(scene, query);
   return to_occlusion_record(query).is_hit();
 }
 

@@ -105,15 +105,15 @@ void Lbvh::build_windows(const Scene& scene, const BuildProgress& progress) {
 }
 
 void Lbvh::intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const {
-  RTCIntersectContext context = new_context();
+  plugin::RayQuery embree;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     RTCRayHit query = to_embree_query(rays[i]);
-    if (static_scene_) rtcIntersect1(static_scene_.get(), &context, &query);
+    if (static_scene_) embree.intersect(static_scene_.get(), query);
     if (!windows_.empty()) {
       const Window& window = windows_[times_.window_of(rays[i].time)];
       const unsigned static_geometry = query.hit.geomID;
       query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-      rtcIntersect1(window.scene.get(), &context, &query);
+      embree.intersect(window.scene.get(), query);
       query.hit.geomID = query.hit.geomID == RTC_INVALID_GEOMETRY_ID
                              ? static_geometry
                              : window.mesh_of_geometry[query.hit.geomID];
@@ -123,13 +123,13 @@ void Lbvh::intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const
 }
 
 void Lbvh::occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const {
-  RTCIntersectContext context = new_context();
+  plugin::RayQuery embree;
   for (std::size_t i = 0; i < rays.size(); ++i) {
     RTCRay ray = to_embree(rays[i]);
-    if (static_scene_) rtcOccluded1(static_scene_.get(), &context, &ray);
+    if (static_scene_) embree.occluded(static_scene_.get(), ray);
     if (ray.tfar >= 0.0f && !windows_.empty()) {
       const Window& window = windows_[times_.window_of(rays[i].time)];
-      rtcOccluded1(window.scene.get(), &context, &ray);
+      embree.occluded(window.scene.get(), ray);
     }
     hits[i] = to_occlusion_record(ray);
   }

@@ -72,7 +72,7 @@ plugin::MotionGrid grid_of(const std::vector<MeshView>& views) {
 
 std::unique_ptr<Published> publication(const std::vector<Member>& members, const GroupSettings& settings) {
   auto published = std::make_unique<Published>();
-  published->runs_context_filters = settings.runs_context_filters;
+  published->runs_query_filters = settings.runs_context_filters;
   published->filter_user_ptr = counts_statistics() ? counting_user_data_of : user_data_of;
   for (const auto& [geom_id, mesh, version] : members) {
     published->add({geom_id, mesh->handle, mesh->intersect_filter, mesh->occluded_filter}, mesh->mask);

@@ -1,5 +1,5 @@
 /**
- * STBVH for Embree 3: triangle meshes with multi-segment motion blur, in a tree of their own, as a user
+ * STBVH for Embree 3 and 4: triangle meshes with multi-segment motion blur, in a tree of their own, as a user
  * geometry.
  *
  *   StbvhGeometry g = stbvhNewGeometry(device);
@@ -28,7 +28,11 @@
  * scene holds a geometry that has not been committed yet, or not since a mesh was added or set, or the
  * precision or the inline share.
  *
- * Lifetime. Embree 3 does not tell anybody that a user geometry has died, so the handle owns the tree:
+ * Embree. The header is the same for both majors, a library is for one of them: it includes what the CMake
+ * target and pkg-config name (STBVH_EMBREE_MAJOR), else what the application has included already, else what
+ * is installed. What differs stands under RTC_VERSION_MAJOR.
+ *
+ * Lifetime. Embree does not tell anybody that a user geometry has died, so the handle owns the tree:
  *   - Keep a reference to the StbvhGeometry for as long as rays shall hit it.
  *   - The RTCGeometry may outlive the handle, for instance in a scene that is released later. From the last
  *     stbvhReleaseGeometry on it hits nothing and has empty bounds; querying, committing and releasing that
@@ -49,8 +53,31 @@
 #ifndef STBVH_EMBREE_H
 #define STBVH_EMBREE_H
 
-#include <embree3/rtcore.h>
 #include <stddef.h>
+
+#if !defined(STBVH_EMBREE_MAJOR)
+#if defined(RTC_VERSION_MAJOR)
+#define STBVH_EMBREE_MAJOR RTC_VERSION_MAJOR
+#elif defined(__has_include)
+#if __has_include(<embree4/rtcore.h>) && !__has_include(<embree3/rtcore.h>)
+#define STBVH_EMBREE_MAJOR 4
+#else
+#define STBVH_EMBREE_MAJOR 3
+#endif
+#else
+#define STBVH_EMBREE_MAJOR 3
+#endif
+#endif
+
+#if STBVH_EMBREE_MAJOR >= 4
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#if RTC_VERSION_MAJOR != STBVH_EMBREE_MAJOR
+#error "this STBVH library is for another major version of Embree"
+#endif
 
 #if defined(__GNUC__)
 #define STBVH_API __attribute__((visibility("default")))
@@ -82,6 +109,13 @@ extern "C" {
 
 /** STBVH_VERSION of the library that runs, which may be newer than the header. */
 STBVH_API unsigned int stbvhGetVersion(void);
+
+/** Mask of a mesh on which none is set, as in Embree. */
+#if RTC_VERSION_MAJOR >= 4
+#define STBVH_DEFAULT_MASK 1u
+#else
+#define STBVH_DEFAULT_MASK 0xFFFFFFFFu
+#endif
 
 /** Most steps of a mesh, as in Embree. */
 #define STBVH_MAX_STEP_COUNT RTC_MAX_TIME_STEP_COUNT
@@ -120,13 +154,18 @@ struct StbvhMeshArguments {
                         denormal times count as 0; default 1. A mesh with several steps is not hit outside
                         [startTime, endTime]; a static one is hit at all times, as in Embree. */
 
-  unsigned int mask;   /**< hit by rays with (ray.mask & mask) != 0; default 0xFFFFFFFF */
+  unsigned int mask;   /**< hit by rays with (ray.mask & mask) != 0; default STBVH_DEFAULT_MASK */
   unsigned int geomID; /**< reported in hits; RTC_INVALID_GEOMETRY_ID (default): the ID under which the
                           geometry is attached. Of all meshes of a geometry one at most may have the default:
                           the primIDs of two would overlap. */
   void* userPtr;       /**< geometryUserPtr of this mesh's filters; default null */
   RTCFilterFunctionN intersectFilter; /**< as rtcSetGeometryIntersectFilterFunction; default null */
   RTCFilterFunctionN occludedFilter;  /**< as rtcSetGeometryOccludedFilterFunction; default null */
+#if RTC_VERSION_MAJOR >= 4
+  size_t enableFilterFunctionFromArguments; /**< as rtcSetGeometryEnableFilterFunctionFromArguments: not 0
+                                               runs a query's filter on this mesh also where the query's flags
+                                               do not; default 0 */
+#endif
 };
 
 /** Fills in the defaults stated at struct StbvhMeshArguments. */
@@ -142,11 +181,14 @@ static inline void stbvhInitMeshArguments(struct StbvhMeshArguments* arguments) 
   arguments->stepCount = 1;
   arguments->startTime = 0.0f;
   arguments->endTime = 1.0f;
-  arguments->mask = 0xFFFFFFFFu;
+  arguments->mask = STBVH_DEFAULT_MASK;
   arguments->geomID = RTC_INVALID_GEOMETRY_ID;
   arguments->userPtr = NULL;
   arguments->intersectFilter = NULL;
   arguments->occludedFilter = NULL;
+#if RTC_VERSION_MAJOR >= 4
+  arguments->enableFilterFunctionFromArguments = 0;
+#endif
 }
 
 /** What the last successful commit built. Initialise with stbvhInitStatistics first. */
@@ -279,16 +321,37 @@ STBVH_API RTCGeometry stbvhGetGeometry(StbvhGeometry geometry);
  * ranges, the meshes' filters and the context's work alike. Differences: a mesh with the default geomID
  * reports its index, and the end of a time range (docs/api.md).
  *
- * A null context is one from rtcInitIntersectContext: no filter of its own, and no instance. The last commit
- * answers, whatever was added or set since; before the first one and after a failed one nothing is hit. A
- * query allocates nothing and locks nothing.
+ * The arguments are in the order of rtcIntersect1 of the same Embree. A null context (Embree 3) is one from
+ * rtcInitIntersectContext, null arguments (Embree 4) are those of rtcInitIntersectArguments: no filter of
+ * their own, and no instance. The last commit answers, whatever was added or set since; before the first one
+ * and after a failed one nothing is hit. A query allocates nothing and locks nothing.
  */
+#if RTC_VERSION_MAJOR >= 4
+STBVH_API void stbvhIntersect1(StbvhGeometry geometry, struct RTCRayHit* rayhit,
+                               struct RTCIntersectArguments* arguments);
+#else
 STBVH_API void stbvhIntersect1(StbvhGeometry geometry, struct RTCIntersectContext* context,
                                struct RTCRayHit* rayhit);
+#endif
 
 /** Any hit, likewise: sets ray->tfar to -inf as rtcOccluded1 does. */
+#if RTC_VERSION_MAJOR >= 4
+STBVH_API void stbvhOccluded1(StbvhGeometry geometry, struct RTCRay* ray,
+                              struct RTCOccludedArguments* arguments);
+#else
 STBVH_API void stbvhOccluded1(StbvhGeometry geometry, struct RTCIntersectContext* context,
                               struct RTCRay* ray);
+#endif
+
+#if RTC_VERSION_MAJOR >= 4
+/**
+ * For applications that set RTCIntersectArguments::intersect or RTCOccludedArguments::occluded: Embree 4 then
+ * calls that function for every user geometry, ours too. It must pass on what it is given for ours, which it
+ * tells by arguments->geomID; the very pointer, for Embree keeps more behind the public members.
+ */
+STBVH_API void stbvhIntersectFunctionN(const struct RTCIntersectFunctionNArguments* arguments);
+STBVH_API void stbvhOccludedFunctionN(const struct RTCOccludedFunctionNArguments* arguments);
+#endif
 
 /** What was built; all zero before the first commit and after a failed one. */
 STBVH_NODISCARD STBVH_API enum RTCError stbvhGetStatistics(StbvhGeometry geometry,

@@ -1,0 +1,91 @@
+/// The one place that knows which Embree this is, 3.13 or 4: the C header includes one of them.
+#pragma once
+
+#include "stbvh/stbvh_embree.h"
+
+namespace stbvh::plugin {
+
+/// A filter that a ray's query brings with it, besides those of the meshes.
+struct QueryFilter {
+  RTCFilterFunctionN function = nullptr;
+  bool on_all_meshes = true;  ///< else only on those that ask for it
+};
+
+#if RTC_VERSION_MAJOR >= 4
+
+using QueryContext = RTCRayQueryContext;
+using IntersectOptions = RTCIntersectArguments;
+using OccludedOptions = RTCOccludedArguments;
+
+inline QueryContext new_context() {
+  QueryContext context;
+  rtcInitRayQueryContext(&context);
+  return context;
+}
+
+/// Whether this Embree keeps a query's options where options_behind looks for them. Found out by a query,
+/// once.
+bool keeps_options_behind_arguments();
+
+template <typename Options>
+QueryFilter filter_of(const Options& options) {
+  return {options.filter, (options.flags & RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER) != 0};
+}
+
+/// The options of the query that a callback of a user geometry works for. Nothing public leads to them:
+/// Embree calls the filters of geometries alone on what user geometries find.
+template <typename Options, typename Arguments>
+const Options& options_behind(const Arguments* arguments) {
+  struct Tail {
+    const void* geometry;
+    const void* forward_scene;
+    const Options* options;
+  };
+  return *reinterpret_cast<const Tail*>(arguments + 1)->options;
+}
+
+inline QueryFilter filter_of_query(const RTCIntersectFunctionNArguments* arguments) {
+  return filter_of(options_behind<IntersectOptions>(arguments));
+}
+inline QueryFilter filter_of_query(const RTCOccludedFunctionNArguments* arguments) {
+  return filter_of(options_behind<OccludedOptions>(arguments));
+}
+
+/// Rays asked one by one, without filters of their own.
+class RayQuery {
+ public:
+  void intersect(RTCScene scene, RTCRayHit& rayhit) { rtcIntersect1(scene, &rayhit, nullptr); }
+  void occluded(RTCScene scene, RTCRay& ray) { rtcOccluded1(scene, &ray, nullptr); }
+};
+
+#else
+
+using QueryContext = RTCIntersectContext;
+
+inline QueryContext new_context() {
+  QueryContext context;
+  rtcInitIntersectContext(&context);
+  return context;
+}
+
+inline bool keeps_options_behind_arguments() {
+  return true;
+}
+
+template <typename Arguments>
+QueryFilter filter_of_query(const Arguments* arguments) {
+  return {arguments->context->filter};
+}
+
+class RayQuery {
+ public:
+  void intersect(RTCScene scene, RTCRayHit& rayhit) { rtcIntersect1(scene, &context_, &rayhit); }
+  void occluded(RTCScene scene, RTCRay& ray) { rtcOccluded1(scene, &context_, &ray); }
+
+ private:
+  RTCIntersectContext context_ = new_context();
+};
+
+#endif
+
+}  // namespace stbvh::plugin
