@@ -8,7 +8,7 @@
 
 namespace stbvh::harness {
 
-void run_bench(const Options& options) {
+void run_bench(const BenchOptions& options) {
   Progress progress;
   Report report;
   for_each_scene(options, progress,

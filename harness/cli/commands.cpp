@@ -2,47 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
+#include <utility>
+#include <vector>
+
 #include "harness/hard_cases/hard_case.h"
 #include "harness/program/program.h"
+#include "harness/program/scene_options.h"
 #include "harness/rays/ray_generator.h"
+#include "harness/report/machine.h"
 #include "harness/scenes/procedural/procedural.h"
 #include "harness/structures/structure_under_test.h"
 
 namespace stbvh::harness {
 namespace {
 
-void run(const Options& options) {
-  switch (options.command) {
-    case Command::kList:
-      return run_list();
-    case Command::kBench:
-      return run_bench(options);
-    case Command::kError:
-      return run_error(options);
-    case Command::kHard:
-      return run_hard(options);
-    case Command::kPareto:
-      return run_pareto(options);
-    case Command::kScaling:
-      return run_scaling(options);
-    case Command::kCharts:
-      return run_charts(options);
-    case Command::kRender:
-      return run_render(options);
-    case Command::kCompare:
-      return run_compare(options);
-    case Command::kTruth:
-      return run_truth(options);
-    case Command::kReport:
-      return run_report(options);
-    case Command::kConvert:
-      return run_convert(options);
-  }
-}
-
-}  // namespace
-
-void run_list() {
+void run_list(const std::string&) {
   fmt::print("scenes (or a .glb, .gltf, .xml or .ecs file, or .obj files)\n");
   for (const ProceduralScene& scene : procedural_scenes()) {
     fmt::print("  {:<17} {} (default scale {})\n", scene.name, scene.description, scene.default_scale);
@@ -58,11 +33,63 @@ void run_list() {
     fmt::print("  {:<25} {}\n", family.name, family.description);
 }
 
+struct Command {
+  const char* name;
+  Work (*add)(CLI::App& app);
+  const char* description;
+};
+constexpr Command kCommands[] = {
+    {"list", [](CLI::App&) { return Work(run_list); }, "Names of scenes, structures and kinds of rays"},
+    {"bench", bench_command, "Build each structure, trace the same rays interleaved, compare"},
+    {"error", error_command, "Hold what each structure answers against brute force in double"},
+    {"hard", hard_command,
+     "Hold what each structure answers to the catalogue of hard cases against the oracle"},
+    {"pareto", pareto_command,
+     "Speed against error: scenes for speed, hard cases for error, a point for each structure"},
+    {"scaling", scaling_command,
+     "Bytes, build time and speed of each structure as a scene grows in steps or triangles, or "
+     "with threads"},
+    {"charts", charts_command,
+     "Draw the records of bench and scaling: speed, bytes, build time (needs python3-matplotlib)"},
+    {"render", render_command,
+     "Path-traced pictures of each scene through each structure, as OpenEXR files of many layers"},
+    {"compare", compare_command,
+     "Hold a picture against a reference: RMSE, relative MSE, FLIP, the worst pixels"},
+    {"truth", truth_command,
+     "Motion blur against the mean of renderings at frozen times; the scene is wheels if none is named"},
+    {"report", report_command,
+     "One page of it all, which needs nothing else: figures, charts, pictures, how to make them again"},
+    {"convert", convert_command, "Write a scene as XML that Embree's pathtracer and viewer show"},
+};
+
+/// The words of a command line as a shell takes them.
+std::string joined(int argc, const char* const* argv) {
+  std::string text = "stbvh-ab";
+  for (int i = 1; i < argc; ++i) text += fmt::format(" {}", shell_word(argv[i]));
+  return text;
+}
+
+void run(int argc, const char* const* argv) {
+  CLI::App app("Our STBVH against Embree's own tree and LBVHs: speed, memory, and error against an oracle.",
+               "stbvh-ab");
+  app.set_version_flag("--version", version_text("stbvh-ab"));
+  app.set_help_all_flag("--help-all", "Print the help of all commands and exit");
+  app.require_subcommand(1);
+  std::vector<std::pair<const CLI::App*, Work>> commands;
+  for (const Command& c : kCommands) {
+    CLI::App& command = *app.add_subcommand(c.name, c.description);
+    commands.emplace_back(&command, c.add(command));
+  }
+  if (!parse_command_line(app, argc, argv)) return;
+  for (const auto& [command, work] : commands) {
+    if (command->parsed()) work(joined(argc, argv));
+  }
+}
+
+}  // namespace
+
 int run_program(int argc, const char* const* argv) {
-  return run_as_program([&] {
-    const std::optional<Options> options = parse_options(argc, argv);
-    if (options) run(*options);
-  });
+  return run_as_program([&] { run(argc, argv); });
 }
 
 }  // namespace stbvh::harness

@@ -1,35 +1,54 @@
-/// What stbvh-ab does.
+/// The commands of stbvh-ab.
 #pragma once
 
-#include "harness/cli/options.h"
+#include <functional>
+#include <memory>
+#include <string>
+#include <type_traits>
+
+#include "harness/program/options.h"
 
 namespace stbvh::harness {
 
-void run_list();
-void run_bench(const Options& options);
+/// Does what a command was asked for with the options that have been read from `command_line`.
+using Work = std::function<void(const std::string& command_line)>;
+
+/// The work of a command whose options, added to `app` by add_options(), are an `Options`.
+template <class Options>
+Work make_work(CLI::App& app, void (*run)(const Options&)) {
+  const auto options = std::make_shared<Options>();
+  add_options(app, *options);
+  return [=](const std::string& command_line) {
+    if constexpr (std::is_base_of_v<RecordOptions, Options>) options->command_line = command_line;
+    run(*options);
+  };
+}
+
+// Each adds its options to `app`, which must be there until they have been read.
+Work bench_command(CLI::App& app);
 /// Throws WrongAnswers, after the tables and the records, where a structure of ours was wrong.
-void run_error(const Options& options);
-/// Throws WrongAnswers as run_error does.
-void run_hard(const Options& options);
+Work error_command(CLI::App& app);
+/// Throws WrongAnswers as `error` does.
+Work hard_command(CLI::App& app);
 /// Ends with a table and, if asked for, a plot of speed against error.
-void run_pareto(const Options& options);
+Work pareto_command(CLI::App& app);
 /// Ends with a table of all structures and values.
-void run_scaling(const Options& options);
+Work scaling_command(CLI::App& app);
 /// Draws the records of bench and scaling; prints the files' names. Throws ScriptFailure.
-void run_charts(const Options& options);
+Work charts_command(CLI::App& app);
 /// Writes an OpenEXR file for each scene and structure. Throws Interrupted after the part that was finished
 /// at SIGINT has been written.
-void run_render(const Options& options);
+Work render_command(CLI::App& app);
 /// Prints how far a picture is from a reference; writes the difference picture and the record, if asked for.
-void run_compare(const Options& options);
+Work compare_command(CLI::App& app);
 /// Prints how far renderings of motion are from the mean of renderings at frozen times; writes both pictures.
 /// Throws Interrupted at SIGINT.
-void run_truth(const Options& options);
+Work truth_command(CLI::App& app);
 /// Runs the other commands for what is not there yet, then writes the page. Throws WrongAnswers after that
 /// where a structure of ours was wrong, ScriptFailure where a command failed, which has said why.
-void run_report(const Options& options);
+Work report_command(CLI::App& app);
 /// Writes a scene as XML for Embree's own tools; prints the files' names.
-void run_convert(const Options& options);
+Work convert_command(CLI::App& app);
 
 /// The whole program: runs the command of a command line, prints one line on stderr for what cannot be done.
 /// Returns the exit code: 0 done; 2 the user asked for what cannot be done; 1 it went wrong,

@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
+
 #include "harness/cli/commands.h"
 #include "harness/images/exr_file.h"
 #include "harness/images/flip.h"
@@ -15,6 +17,18 @@
 
 namespace stbvh::harness {
 namespace {
+
+struct CompareOptions : RecordOptions {
+  std::string picture, reference;
+  std::string difference_png;  ///< empty: none
+};
+
+void add_options(CLI::App& app, CompareOptions& o) {
+  app.add_option("picture", o.picture, "OpenEXR file with R, G and B")->required();
+  app.add_option("reference", o.reference, "OpenEXR file of the same size")->required();
+  app.add_option("--png", o.difference_png, "File for a picture of the differences (FLIP), with its scale");
+  add_json_option(app, o, "File for the record");
+}
 
 std::string describe(const Comparison& c) {
   std::string text = fmt::format("pixels        {} x {}, {} differ, {} not finite\n", c.width, c.height,
@@ -38,22 +52,26 @@ std::string describe(const Comparison& c) {
   return text;
 }
 
-}  // namespace
-
-void run_compare(const Options& options) {
-  if (options.difference_png) check_writable(*options.difference_png);
+void run_compare(const CompareOptions& options) {
+  if (!options.difference_png.empty()) check_writable(options.difference_png);
   if (options.json) check_writable(*options.json);
   const Comparison found = compare(read_exr(options.picture), read_exr(options.reference));
   for (const std::string& warning : found.warnings) print_warning(warning);
   fmt::print("{}", describe(found));
-  if (options.difference_png) {
-    write_png(heat_map(found.flip_map, found.width, found.height, 1), *options.difference_png);
-    fmt::print("{}: FLIP, from 0 (black) to 1 (pale yellow){}\n", options.difference_png->string(),
+  if (!options.difference_png.empty()) {
+    write_png(heat_map(found.flip_map, found.width, found.height, 1), options.difference_png);
+    fmt::print("{}: FLIP, from 0 (black) to 1 (pale yellow){}\n", options.difference_png,
                found.not_finite > 0 ? "; green: not finite" : "");
   }
   Report report;
-  report.compares.push_back({options.picture.string(), options.reference.string(), found});
+  report.compares.push_back({options.picture, options.reference, found});
   write_records(options, report);
+}
+
+}  // namespace
+
+Work compare_command(CLI::App& app) {
+  return make_work(app, run_compare);
 }
 
 }  // namespace stbvh::harness

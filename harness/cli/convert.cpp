@@ -1,11 +1,15 @@
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
+#include <string>
 #include <system_error>
+#include <vector>
 
 #include "harness/cli/commands.h"
 #include "harness/program/progress.h"
+#include "harness/program/scene_options.h"
 #include "harness/program/scene_source.h"
 #include "harness/program/usage_error.h"
 #include "harness/scenes/embree_xml/writer.h"
@@ -13,6 +17,19 @@
 
 namespace stbvh::harness {
 namespace {
+
+struct ConvertOptions : MakingOptions {
+  std::string scene;
+  std::string output;
+};
+
+void add_options(CLI::App& app, ConvertOptions& o) {
+  app.add_option("scene", o.scene, "A built-in scene (see list) or a file, as in --scenes")->required();
+  app.add_option("-o,--output", o.output,
+                 "File.xml; for a large scene, a File.bin beside it has positions and triangles")
+      ->required();
+  add_making_options(app, o);
+}
 
 /// A .bin beside the .xml may be the buffer of a glTF file, or anything: it is only replaced where it is
 /// ours.
@@ -30,11 +47,13 @@ void check_owner(const std::filesystem::path& binary_file, const std::filesystem
   }
 }
 
-}  // namespace
-
-void run_convert(const Options& options) {
-  const SceneSource source = find_scenes(options).front();
-  const std::filesystem::path xml_file = options.converted, binary_file = embree_binary_file(xml_file);
+void run_convert(const ConvertOptions& options) {
+  const std::vector<std::string> scenes = named_scenes({options.scene});
+  if (scenes.size() != 1) throw UsageError("convert takes one scene at a time.");
+  const std::filesystem::path xml_file = options.output, binary_file = embree_binary_file(xml_file);
+  if (xml_file.extension() != ".xml")
+    throw UsageError(fmt::format("convert writes .xml files, not \"{}\".", options.output));
+  const SceneSource source = find_scene(scenes.front(), options);
   check_owner(binary_file, xml_file);
   check_writable(xml_file);
   check_writable(binary_file);
@@ -49,6 +68,12 @@ void run_convert(const Options& options) {
   write_files(files);
   progress.clear();
   for (const FileContent& written : files) fmt::print("{}\n", written.path.string());
+}
+
+}  // namespace
+
+Work convert_command(CLI::App& app) {
+  return make_work(app, run_convert);
 }
 
 }  // namespace stbvh::harness

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 
@@ -7,7 +8,9 @@
 #include "harness/cli/distance_figures.h"
 #include "harness/cli/wrong_answers.h"
 #include "harness/oracle/judge.h"
+#include "harness/program/options.h"
 #include "harness/program/pinned_threads.h"
+#include "harness/program/scene_options.h"
 #include "harness/program/session.h"
 #include "harness/program/trace.h"
 #include "harness/report/table.h"
@@ -16,6 +19,21 @@ namespace stbvh::harness {
 namespace {
 
 constexpr std::size_t kPrintedDifferences = 3;  // for each structure and kind of rays
+
+struct ErrorOptions : SessionOptions, RayOptions {
+  std::vector<std::string> structures;
+  unsigned threads = 1;
+};
+
+void add_options(CLI::App& app, ErrorOptions& o) {
+  o.count = 20'000;
+  add_scene_options(app, o);
+  add_structures_option(app, o.structures);
+  add_json_option(app, o);
+  add_rays_option(app, o.rays);
+  add_count_option(app, o.count);
+  add_threads_option(app, o.threads, kPinnedThreads);
+}
 
 /// A ray set and what the oracle says of it.
 struct JudgedRays {
@@ -61,11 +79,12 @@ std::string describe(const std::string& structure, const JudgedRays& set, const 
       describe_hit(exact.is_hit, any, exact.t, exact.geom_id, exact.prim_id), exact.edge_distance_ulps);
 }
 
-void run_scene(const Scene& scene, const Options& options, PinnedThreads& threads, Progress& progress,
+void run_scene(const Scene& scene, const ErrorOptions& options, PinnedThreads& threads, Progress& progress,
                Report& report) {
   const std::vector<std::string> names = structures_that_fit(options.structures, scene, "");
   std::vector<JudgedRays> sets;
-  for (RaySet& rays : make_ray_sets(scene, options, progress)) sets.push_back({std::move(rays), {}});
+  for (RaySet& rays : make_ray_sets(scene, options, options.seed, options.threads, progress))
+    sets.push_back({std::move(rays), {}});
   progress.stage(fmt::format("{}: building the oracle", scene.name));
   const Oracle oracle(scene);
   for (JudgedRays& set : sets) {
@@ -93,9 +112,7 @@ void run_scene(const Scene& scene, const Options& options, PinnedThreads& thread
   report.errors.insert(report.errors.end(), results.begin(), results.end());
 }
 
-}  // namespace
-
-void run_error(const Options& options) {
+void run_error(const ErrorOptions& options) {
   Progress progress;
   Report report;
   PinnedThreads threads(options.threads);
@@ -103,6 +120,12 @@ void run_error(const Options& options) {
                  [&](const Scene& scene) { run_scene(scene, options, threads, progress, report); });
   write_records(options, report);
   require_right_answers(report.errors);
+}
+
+}  // namespace
+
+Work error_command(CLI::App& app) {
+  return make_work(app, run_error);
 }
 
 }  // namespace stbvh::harness

@@ -36,18 +36,18 @@ HardResult to_result(const std::string& family, const std::string& structure, bo
 /// All cases of one family.
 class FamilyRun {
  public:
-  FamilyRun(const HardFamily& family, std::size_t count, const Options& options, PinnedThreads& threads,
+  FamilyRun(const HardFamily& family, const std::vector<std::string>& structures, PinnedThreads& threads,
             Progress& progress)
-      : family_(family), count_(count), options_(options), threads_(threads), progress_(progress) {}
+      : family_(family), structures_(structures), threads_(threads), progress_(progress) {}
 
-  std::vector<HardResult> run() {
+  std::vector<HardResult> run(std::size_t count, std::uint64_t seed) {
     stage("making the cases");
-    for (const HardCase& hard : family_.make(count_, options_.seed)) {
+    for (const HardCase& hard : family_.make(count, seed)) {
       is_closed_ |= hard.expected == Expected::kClosed;
       run_case(hard);
     }
     std::vector<HardResult> results;
-    for (const std::string& name : options_.structures) {
+    for (const std::string& name : structures_) {
       if (!counts_.contains(name)) continue;
       finish(counts_[name]);
       results.push_back(to_result(family_.name, name, is_closed_, counts_[name]));
@@ -72,13 +72,13 @@ class FamilyRun {
   void run_case(const HardCase& hard) {
     stage("asking the oracle");
     const JudgedCase judged(hard);
-    for (const std::string& name : structures_that_fit(options_.structures, hard.scene, "")) {
+    for (const std::string& name : structures_that_fit(structures_, hard.scene, "")) {
       if (!family_.admits(name)) continue;
       stage(fmt::format("building {}", name));
       if (judged.must_be_refused()) {
         judged.judge_refusal(refusal(name, hard.scene), counts_[name]);
       } else {
-        trace_case(judged, *build_structure(name, hard.scene, options_.threads), name);
+        trace_case(judged, *build_structure(name, hard.scene, threads_.count()), name);
       }
     }
   }
@@ -86,7 +86,7 @@ class FamilyRun {
   /// The error that building ends with; empty if there is none.
   std::string refusal(const std::string& name, const Scene& scene) const {
     try {
-      build_structure(name, scene, options_.threads);
+      build_structure(name, scene, threads_.count());
       return "";
     } catch (const std::exception& e) {
       return e.what();
@@ -105,8 +105,7 @@ class FamilyRun {
   }
 
   const HardFamily& family_;
-  std::size_t count_;
-  const Options& options_;
+  const std::vector<std::string>& structures_;
   PinnedThreads& threads_;
   Progress& progress_;
   bool is_closed_ = false;
@@ -115,11 +114,12 @@ class FamilyRun {
 
 }  // namespace
 
-FamilyResults run_family(const HardFamily& family, std::size_t count, const Options& options,
-                         PinnedThreads& threads, Progress& progress) {
-  FamilyRun run(family, count, options, threads, progress);
+FamilyResults run_family(const HardFamily& family, std::size_t count, std::uint64_t seed,
+                         const std::vector<std::string>& structures, PinnedThreads& threads,
+                         Progress& progress) {
+  FamilyRun run(family, structures, threads, progress);
   FamilyResults found;
-  found.results = run.run();
+  found.results = run.run(count, seed);
   found.examples = run.examples();
   return found;
 }

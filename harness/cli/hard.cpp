@@ -1,11 +1,16 @@
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cstdint>
 #include <cstdio>
+#include <string_view>
 
 #include "harness/cli/commands.h"
 #include "harness/cli/family_run.h"
 #include "harness/cli/wrong_answers.h"
 #include "harness/hard_cases/hard_case.h"
+#include "harness/program/options.h"
 #include "harness/program/pinned_threads.h"
 #include "harness/program/session.h"
 #include "harness/report/machine.h"
@@ -13,16 +18,49 @@
 #include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
+namespace {
 
-void run_hard(const Options& options) {
+/// What is compared where --structures does not say: ours in every layout and instruction set, Embree's in
+/// every precision.
+constexpr std::array<std::string_view, 7> kStructures{
+    "stbvh-direct", "stbvh-direct-indexed", "stbvh-direct-scalar", "stbvh", "embree", "embree-robust",
+    "embree-4v"};
+
+struct HardOptions : RecordOptions {
+  std::vector<std::string> structures;
+  unsigned threads = 1;
+  std::vector<std::string> families;  ///< in the order of hard_families()
+  std::size_t count = 20'000;         ///< rays of each
+  std::uint64_t seed = 1;
+};
+
+void add_options(CLI::App& app, HardOptions& o) {
+  add_structures_option(app, o.structures, kStructures);
+  add_json_option(app, o);
+  add_threads_option(app, o.threads, kPinnedThreads);
+  const auto choose = [&o](const std::vector<std::string>& asked) {
+    std::vector<std::string_view> known;
+    for (const HardFamily& family : hard_families()) known.push_back(family.name);
+    o.families = chosen_names("family", asked, known);
+  };
+  choose({});
+  app.add_option_function<std::vector<std::string>>(
+         "--families", choose, "Families of hard cases (see list), or all; separated by commas")
+      ->delimiter(',')
+      ->default_str("all");
+  add_count_option(app, o.count, "Rays of each family");
+  app.add_option("--seed", o.seed, "Seed of scenes and rays")->capture_default_str();
+}
+
+void run_hard(const HardOptions& options) {
   if (options.json) check_writable(*options.json);
   Progress progress;
   Report report;
   PinnedThreads threads(options.threads);
   fmt::print("{}{}", machine_line(this_machine(), built_commit()), hard_heading());
   for (const std::string& name : options.families) {
-    const FamilyResults family =
-        run_family(*find_hard_family(name), options.count, options, threads, progress);
+    const FamilyResults family = run_family(*find_hard_family(name), options.count, options.seed,
+                                            options.structures, threads, progress);
     progress.clear();
     for (const HardResult& result : family.results) fmt::print("{}", hard_row(result));
     fmt::print("{}", family.examples);
@@ -32,6 +70,12 @@ void run_hard(const Options& options) {
   fmt::print("{}", hard_legend());
   write_records(options, report);
   require_right_answers(std::span<const HardResult>(report.hards));
+}
+
+}  // namespace
+
+Work hard_command(CLI::App& app) {
+  return make_work(app, run_hard);
 }
 
 }  // namespace stbvh::harness

@@ -2,21 +2,53 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cstdio>
+#include <filesystem>
 #include <iterator>
+#include <optional>
 
 #include "harness/cli/commands.h"
 #include "harness/cli/family_run.h"
 #include "harness/cli/scene_bench.h"
+#include "harness/program/options.h"
+#include "harness/program/scene_options.h"
 #include "harness/program/script.h"
 #include "harness/program/session.h"
+#include "harness/program/usage_error.h"
 #include "harness/report/machine.h"
 #include "harness/report/table.h"
 #include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 namespace {
+
+/// What is compared where --structures does not say: each structure in each precision.
+constexpr std::array<std::string_view, 9> kStructures{"embree",     "embree-robust", "embree-4v",
+                                                      "lbvh",       "lbvh-4v",       "stbvh",
+                                                      "stbvh-fast", "stbvh-direct",  "stbvh-direct-fast"};
+
+struct ParetoOptions : SessionOptions {
+  std::vector<std::string> structures;
+  unsigned threads = 1;
+  std::size_t count = 100'000;  ///< rays of each family of hard cases
+  std::size_t repeats = 7;
+  std::optional<std::filesystem::path> plot;  ///< made from the records
+};
+
+void add_options(CLI::App& app, ParetoOptions& o) {
+  add_scene_options(app, o);
+  add_structures_option(app, o.structures, kStructures);
+  add_json_option(app, o);
+  add_threads_option(app, o.threads, kPinnedThreads);
+  add_count_option(app, o.count, "Rays of each family of hard cases");
+  add_repeats_option(app, o.repeats);
+  app.add_option_function<std::string>(
+      "--plot", [&o](const std::string& file) { o.plot = file; },
+      "PNG file for the plot; needs --json and python3-matplotlib");
+}
 
 /// What a family of hard cases says of a structure.
 enum class Measure { kLeaks, kThin, kDistance };
@@ -91,21 +123,30 @@ std::vector<ParetoResult> pareto_points(std::span<const std::string> structures,
   return points;
 }
 
-void run_pareto(const Options& options) {
-  if (options.plot) check_writable(*options.plot);
+namespace {
+
+void run_pareto(const ParetoOptions& options) {
+  if (options.plot) {
+    if (!options.json) throw UsageError("--plot needs --json: the plot is made from the records.");
+    check_writable(*options.plot);
+  }
   Progress progress;
   Report report;
-  Options speed = options;
-  speed.count = kDefaultBenchRays;
+  BenchOptions speed;
+  static_cast<SessionOptions&>(speed) = options;
+  speed.structures = options.structures;
   speed.rays = {RayKind::kBounce, RayKind::kUniform};
+  speed.count = kDefaultBenchRays;
+  speed.thread_counts = {options.threads};
+  speed.repeats = options.repeats;
   speed.build_budget_s = 0;
   for_each_scene(speed, progress, [&](const Scene& scene) { bench_scene(scene, speed, progress, report); });
   progress.clear();
   fmt::print("\n{}", hard_heading());
   PinnedThreads threads(options.threads);
   for (const ParetoFamily& asked : kFamilies) {
-    const FamilyResults family =
-        run_family(*find_hard_family(asked.name), options.count, options, threads, progress);
+    const FamilyResults family = run_family(*find_hard_family(asked.name), options.count, options.seed,
+                                            options.structures, threads, progress);
     progress.clear();
     for (const HardResult& result : family.results) fmt::print("{}", hard_row(result));
     std::fflush(stdout);
@@ -115,6 +156,12 @@ void run_pareto(const Options& options) {
   fmt::print("{}\n{}", hard_legend(), pareto_table(report.paretos));
   write_records(options, report);
   if (options.plot) run_script("plot_pareto.py", {options.json->string(), options.plot->string()});
+}
+
+}  // namespace
+
+Work pareto_command(CLI::App& app) {
+  return make_work(app, run_pareto);
 }
 
 }  // namespace stbvh::harness

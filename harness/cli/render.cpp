@@ -35,7 +35,7 @@ fs::path png_beside(fs::path file) {
 /// The file of each scene and structure, which can be written as things stand.
 class Outputs {
  public:
-  Outputs(const Options& options, const std::vector<SceneSource>& sources) : output_(options.output) {
+  Outputs(const RenderOptions& options, const std::vector<SceneSource>& sources) : output_(options.output) {
     std::error_code error;
     is_folder_ = sources.size() * options.structures.size() > 1 || fs::is_directory(output_, error);
     if (is_folder_) make_folder(output_);
@@ -101,11 +101,11 @@ Environment read_environment(const fs::path& path) {
 }
 
 /// Renders one picture and writes it; `label` stands in front of the progress.
-void make_picture(const Options& options, const Scene& scene, const std::string& structure_name,
+void make_picture(const RenderOptions& options, const Scene& scene, const std::string& structure_name,
                   const fs::path& file, Progress& progress) {
   const std::string label = fmt::format("{}, {}", scene.name, structure_name);
   progress.stage(label + ": building");
-  const auto structure = build_structure(structure_name, scene, options.threads);
+  const auto structure = build_structure(structure_name, scene, options.settings.threads);
   const auto start = std::chrono::steady_clock::now();
   double done = 0;
   const auto show = [&](double fraction) {
@@ -115,7 +115,8 @@ void make_picture(const Options& options, const Scene& scene, const std::string&
                                passed * (1 - fraction) / fraction));
   };
   const Interruption interruption;
-  RenderSettings settings = options.render;
+  RenderSettings settings = options.settings;
+  settings.seed = options.seed;
   settings.camera = chosen_camera(options.camera, scene.camera);
   Rendering rendering = render(scene, *structure, settings, show, &interruption.flag());
   progress.clear();
@@ -135,14 +136,14 @@ void make_picture(const Options& options, const Scene& scene, const std::string&
   }
 }
 
-}  // namespace
-
-void run_render(const Options& options) {
-  if (rendering_bytes(options.render) > available_memory_bytes()) {
-    throw UsageError(fmt::format(
-        "--size: a picture of {} x {} pixels takes {:.1f} GB, and {:.1f} GB are free.", options.render.width,
-        options.render.height, static_cast<double>(rendering_bytes(options.render)) / 1e9,
-        static_cast<double>(available_memory_bytes()) / 1e9));
+void run_render(const RenderOptions& options) {
+  check_shutter_times(options.settings.shutter);
+  if (rendering_bytes(options.settings) > available_memory_bytes()) {
+    throw UsageError(
+        fmt::format("--size: a picture of {} x {} pixels takes {:.1f} GB, and {:.1f} GB are free.",
+                    options.settings.width, options.settings.height,
+                    static_cast<double>(rendering_bytes(options.settings)) / 1e9,
+                    static_cast<double>(available_memory_bytes()) / 1e9));
   }
   const std::vector<SceneSource> sources = find_scenes(options);
   std::optional<Environment> environment;
@@ -157,6 +158,12 @@ void run_render(const Options& options) {
       make_picture(options, scene, structure, outputs.file(source.name, structure), progress);
     }
   }
+}
+
+}  // namespace
+
+Work render_command(CLI::App& app) {
+  return make_work(app, run_render);
 }
 
 }  // namespace stbvh::harness

@@ -1,23 +1,39 @@
-/// The options of `render` beside those of its scenes.
+/// The options of `render`.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
 
-#include "harness/cli/check_options.h"
+#include "harness/path_tracer/render_settings.h"
+#include "harness/program/options.h"
+#include "harness/program/scene_options.h"
 
 namespace stbvh::harness {
 
-void add_render_options(CLI::App& command, Arguments& arguments);
+/// What of the scene's camera is replaced.
+struct CameraOptions {
+  std::optional<Vec3f> position, target, up;
+  std::optional<float> fov_degrees;
+};
+
+struct RenderOptions : SceneOptions {
+  std::vector<std::string> structures;
+  std::string output;  ///< a file, or a folder
+  bool png = false;
+  RenderSettings settings;  ///< but for the seed, which stands above, and the camera
+  CameraOptions camera;
+  std::string environment;  ///< OpenEXR file; empty: what the scene brings
+};
+
+/// Checks what is read: UsageError.
+void add_options(CLI::App& app, RenderOptions& options);
+
+/// Throws UsageError for one that closes before it opens.
+void check_shutter_times(const Shutter& shutter);
 
 /// `scene_camera` with what `options` replace of it; empty where that is nothing. Throws
 /// UsageError for a camera that looks nowhere.
 std::optional<Camera> chosen_camera(const CameraOptions& options, const Camera& scene_camera);
-
-/// Of --size and --spp. Throw UsageError.
-void check_size(Arguments& arguments);
-void check_samples(const Arguments& arguments);
-
-/// Throws UsageError.
-void check_render_options(Arguments& arguments, const CLI::App& command);
 
 }  // namespace stbvh::harness

@@ -8,6 +8,7 @@
 
 #include "harness/cli/commands.h"
 #include "harness/cli/pareto.h"
+#include "harness/cli/report_options.h"
 #include "harness/cli/report_pictures.h"
 #include "harness/cli/wrong_answers.h"
 #include "harness/files/input_file.h"
@@ -45,7 +46,7 @@ std::string joined(const Words& words) {
 
 class ReportRun {
  public:
-  explicit ReportRun(const Options& options) : options_(options), folder_(options.output) {}
+  explicit ReportRun(const ReportOptions& options) : options_(options), folder_(options.output) {}
 
   void run() {
     const std::vector<SceneSource> sources = find_scenes(options_);
@@ -270,7 +271,7 @@ class ReportRun {
     write_file(record_file(part), to_json(report, this_machine(), built_commit(), command));
   }
 
-  const Options& options_;
+  const ReportOptions& options_;
   const fs::path folder_;
   std::map<std::string, bool> taken_;
   std::vector<RenderResult> renders_;
@@ -279,7 +280,7 @@ class ReportRun {
 
 }  // namespace
 
-void run_report(const Options& options) {
+void run_report(const ReportOptions& options) {
   ReportRun(options).run();
 }
 

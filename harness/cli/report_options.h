@@ -1,17 +1,25 @@
-/// The options of `report` and `truth` beside those of their scenes.
+/// The options of `report`.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
 
-#include "harness/cli/check_options.h"
+#include "harness/program/options.h"
+#include "harness/program/scene_options.h"
 
 namespace stbvh::harness {
 
-void add_report_options(CLI::App& command, Arguments& arguments);
-void add_truth_options(CLI::App& command, Arguments& arguments);
+struct ReportOptions : SceneOptions {
+  std::vector<std::string> structures;        ///< empty: each command's own
+  std::filesystem::path output;               ///< folder
+  std::optional<std::filesystem::path> from;  ///< what need not be measured
+  bool quick = false;
+  unsigned threads = 1;
+};
 
-/// Throw UsageError.
-void check_report_options(Arguments& arguments);
-void check_truth_options(Arguments& arguments, const CLI::App& command);
+void add_options(CLI::App& app, ReportOptions& options);
+void run_report(const ReportOptions& options);
 
 }  // namespace stbvh::harness

@@ -1,11 +1,17 @@
 /// Structures over a scene that grows, or with more and more threads.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
 #include <cstdio>
+#include <optional>
 
 #include "harness/cli/commands.h"
 #include "harness/cli/scene_bench.h"
+#include "harness/program/options.h"
+#include "harness/program/pinned_threads.h"
+#include "harness/program/scene_options.h"
 #include "harness/program/session.h"
 #include "harness/program/usage_error.h"
 #include "harness/report/machine.h"
@@ -17,6 +23,99 @@
 namespace stbvh::harness {
 namespace {
 
+constexpr std::size_t kMostTriangles = 100'000'000;
+constexpr double kBuildBudget = 20;  // seconds
+
+/// What a run varies.
+enum class Over { kSteps, kTriangles, kThreads };
+constexpr std::array<std::string_view, 3> kOverNames{"steps", "triangles", "threads"};
+
+std::string_view over_name(Over over) {
+  return kOverNames[static_cast<std::size_t>(over)];
+}
+
+struct ScalingOptions : RecordOptions, SpeedOptions {
+  Over over = Over::kSteps;
+  std::vector<std::size_t> values;  ///< of what varies; empty: default_values()
+  std::string scene = "cloth";
+  std::optional<double> scale;
+  std::uint64_t seed = 1;
+  std::vector<std::string> structures;
+  std::optional<unsigned> threads;
+};
+
+void add_options(CLI::App& app, ScalingOptions& o) {
+  o.count = 100'000;
+  o.build_budget_s = kBuildBudget;
+  app.add_option_function<std::string>(
+         "--over",
+         [&o](const auto& name) { o.over = static_cast<Over>(index_of("thing to vary", name, kOverNames)); },
+         "steps, triangles (only builds), or threads")
+      ->required();
+  app.add_option("--values", o.values,
+                 "How many of them, separated by commas. Default: 2 to 129 steps, 100000 to 1000000 "
+                 "triangles, 1 to all threads")
+      ->delimiter(',');
+  const auto choose = [&o](const std::string& name) {
+    std::vector<std::string_view> known;
+    for (const ProceduralScene& scene : procedural_scenes()) {
+      if (scene.make_with_steps != nullptr) known.push_back(scene.name);
+    }
+    index_of("scene of any number of steps", name, known);
+    o.scene = name;
+  };
+  app.add_option_function<std::string>("--scene", choose,
+                                       "Built-in scene of any number of steps: cloth or barbarian-rotate")
+      ->default_str(o.scene);
+  add_scale_option(app, o.scale);
+  app.add_option("--seed", o.seed, "Seed of scene and rays")->capture_default_str();
+  add_structures_option(app, o.structures);
+  add_json_option(app, o);
+  add_threads_option(app, o.threads, kPinnedThreads);
+  add_count_option(app, o.count);
+  add_repeats_option(app, o.repeats);
+  add_build_budget_option(
+      app, o.build_budget_s,
+      "Seconds within which a structure is built again, for the median; one whose build took "
+      "longer is left out of larger scenes. 0: built once, none left out");
+}
+
+/// What is measured where --values does not say.
+std::vector<std::size_t> default_values(Over over) {
+  switch (over) {
+    case Over::kSteps:
+      return {2, 3, 5, 9, 17, 33, 65, 129};
+    case Over::kTriangles:
+      return {100'000, 200'000, 500'000, 1'000'000};
+    case Over::kThreads:
+      break;
+  }
+  std::vector<std::size_t> counts;
+  for (std::size_t count = 1; count <= usable_core_count(); ++count) counts.push_back(count);
+  return counts;
+}
+
+/// With values ascending, and all that follows from what varies.
+ScalingOptions completed(ScalingOptions o) {
+  if (o.values.empty()) o.values = default_values(o.over);
+  std::sort(o.values.begin(), o.values.end());
+  o.values.erase(std::unique(o.values.begin(), o.values.end()), o.values.end());
+  if (o.over == Over::kSteps && o.values.front() < 2) throw UsageError("--values: at least 2 steps.");
+  const std::size_t most = o.over == Over::kSteps     ? kMaxSteps
+                           : o.over == Over::kThreads ? usable_core_count()
+                                                      : kMostTriangles;
+  check_range("--values", o.values.front(), most);
+  check_range("--values", o.values.back(), most);
+  if (o.over == Over::kTriangles && o.scale)
+    throw UsageError("--scale: with --over triangles, --values says how many.");
+  if (o.over == Over::kThreads && o.threads)
+    throw UsageError("--threads: with --over threads, --values says how many.");
+  o.rays = {RayKind::kBounce, RayKind::kUniform};
+  if (o.over == Over::kTriangles) o.rays.clear();
+  o.thread_counts = {o.threads.value_or(usable_core_count())};
+  return o;
+}
+
 /// The scale at which `scene` has about that many moving triangles.
 double scale_for(const ProceduralScene& scene, std::size_t triangles) {
   double at_one = 0;
@@ -27,9 +126,9 @@ double scale_for(const ProceduralScene& scene, std::size_t triangles) {
 /// One scaling run.
 class ScalingRun {
  public:
-  explicit ScalingRun(const Options& options)
+  explicit ScalingRun(const ScalingOptions& options)
       : options_(options),
-        source_(*find_procedural_scene(options.scenes.front())),
+        source_(*find_procedural_scene(options.scene)),
         names_(with_reference(options.structures)) {
     if (options.over == Over::kTriangles && scale_for(source_, options.values.back()) > kMaxScale) {
       throw UsageError(fmt::format("--values: {} has at most {:.0f} triangles, not {}.", source_.name,
@@ -53,24 +152,22 @@ class ScalingRun {
                                                            : options_.scale.value_or(source_.default_scale);
     Scene scene = options_.over == Over::kSteps ? source_.make_with_steps(scale, options_.seed, value)
                                                 : source_.make(scale, options_.seed);
-    return checked(std::move(scene), options_.scenes.front());
+    return checked(std::move(scene), options_.scene);
   }
 
   void measure(std::size_t value) {
-    Options options = options_;
-    if (options.over == Over::kThreads) {
-      options.threads = static_cast<unsigned>(value);
-      options.thread_counts = {options.threads};
-    }
-    progress_.stage(fmt::format("{} {}: making the scene", value, over_name(options.over)));
+    SpeedOptions speed = options_;
+    if (options_.over == Over::kThreads) speed.thread_counts = {static_cast<unsigned>(value)};
+    const std::string over(over_name(options_.over));
+    progress_.stage(fmt::format("{} {}: making the scene", value, over));
     const Scene scene = make_scene(value);
     progress_.clear();
-    fmt::print("{}with {} {}\n", scene_heading(summarize(scene)), value, over_name(options.over));
+    fmt::print("{}with {} {}\n", scene_heading(summarize(scene)), value, over);
     std::fflush(stdout);
-    const SceneFigures figures = measure_scene(scene, names_, options, progress_);
+    const SceneFigures figures = measure_scene(scene, names_, speed, options_.seed, progress_);
     for (const BuildResult& build : figures.builds) {
-      ScalingResult& result = results_.emplace_back(
-          ScalingResult{.over = std::string(over_name(options.over)), .value = value, .build = build});
+      ScalingResult& result =
+          results_.emplace_back(ScalingResult{.over = over, .value = value, .build = build});
       std::copy_if(figures.speeds.begin(), figures.speeds.end(), std::back_inserter(result.speeds),
                    [&](const SpeedResult& s) { return s.structure == build.structure; });
     }
@@ -88,16 +185,15 @@ class ScalingRun {
     }
   }
 
-  const Options& options_;
+  const ScalingOptions& options_;
   const ProceduralScene& source_;
   std::vector<std::string> names_;  ///< of the structures that are still measured
   Progress progress_;
   std::vector<ScalingResult> results_;
 };
 
-}  // namespace
-
-void run_scaling(const Options& options) {
+void run_scaling(const ScalingOptions& asked) {
+  const ScalingOptions options = completed(asked);
   if (options.json) check_writable(*options.json);
   ScalingRun scaling(options);
   fmt::print("{}", machine_line(this_machine(), built_commit()));
@@ -105,6 +201,12 @@ void run_scaling(const Options& options) {
   report.scalings = scaling.run();
   fmt::print("{}", scaling_table(report.scalings));
   write_records(options, report);
+}
+
+}  // namespace
+
+Work scaling_command(CLI::App& app) {
+  return make_work(app, run_scaling);
 }
 
 }  // namespace stbvh::harness

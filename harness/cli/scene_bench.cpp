@@ -2,13 +2,18 @@
 
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <iterator>
 #include <map>
+#include <utility>
 
-#include "harness/program/session.h"
+#include "harness/cli/commands.h"
+#include "harness/program/pinned_threads.h"
 #include "harness/program/trace.h"
+#include "harness/program/usage_error.h"
 #include "harness/report/table.h"
 #include "harness/structures/memory_estimate.h"
 
@@ -20,8 +25,8 @@ constexpr std::string_view kRatioReference = "embree";
 /// Bench of one scene.
 class SceneBench {
  public:
-  SceneBench(const Scene& scene, const Options& options, Progress& progress)
-      : scene_(scene), options_(options), progress_(progress) {}
+  SceneBench(const Scene& scene, const SpeedOptions& options, std::uint64_t seed, Progress& progress)
+      : scene_(scene), options_(options), seed_(seed), progress_(progress) {}
 
   SceneFigures run(std::vector<std::string> names) {
     if (options_.rays.empty()) {
@@ -29,7 +34,7 @@ class SceneBench {
       for (const std::string& name : names) build(name);
     } else {
       names = structures_that_fit(names, scene_, kRatioReference);
-      const std::vector<RaySet> rays = make_ray_sets(scene_, options_, progress_);
+      const std::vector<RaySet> rays = make_ray_sets(scene_, options_, seed_, options_.threads(), progress_);
       for (const auto& group : groups_in_memory(names)) trace_group(group, rays);
     }
     build_again(names);
@@ -64,7 +69,7 @@ class SceneBench {
   StructurePtr build(const std::string& name) {
     std::vector<BuildRecord>& builds = builds_[name];
     progress_.stage(fmt::format("{}: building {} ({})", scene_.name, name, builds.size() + 1));
-    StructurePtr structure = build_structure(name, scene_, options_.threads);
+    StructurePtr structure = build_structure(name, scene_, options_.threads());
     builds.push_back(structure->build_record());
     return structure;
   }
@@ -135,7 +140,7 @@ class SceneBench {
             .structure = name,
             .triangles = scene_.triangle_count(),
             .primitive_segments = scene_.primitive_segment_count(),
-            .threads = options_.threads,
+            .threads = options_.threads(),
             .builds = builds.size(),
             .build_s = spread_of(seconds),
             .peak_bytes = first.peak_bytes,
@@ -146,13 +151,54 @@ class SceneBench {
   }
 
   const Scene& scene_;
-  const Options& options_;
+  const SpeedOptions& options_;
+  std::uint64_t seed_;
   Progress& progress_;
   std::map<std::string, std::vector<BuildRecord>> builds_;
   std::vector<SpeedResult> speeds_;
 };
 
+void set_thread_counts(std::vector<unsigned> counts, std::vector<unsigned>& result) {
+  for (unsigned count : counts) check_range("--threads", count, usable_core_count());
+  std::sort(counts.begin(), counts.end());
+  counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
+  result = std::move(counts);
+}
+
 }  // namespace
+
+void add_build_budget_option(CLI::App& app, double& budget_s, const char* description) {
+  const auto take = [&budget_s](double seconds) {
+    if (!(seconds >= 0) || !std::isfinite(seconds))
+      throw UsageError(fmt::format("--build-budget must be at least 0 seconds, not {}.", seconds));
+    budget_s = seconds;
+  };
+  app.add_option_function<double>("--build-budget", take, description)
+      ->default_str(fmt::format("{}", budget_s));
+}
+
+void add_options(CLI::App& app, BenchOptions& o) {
+  o.count = kDefaultBenchRays;
+  o.thread_counts = {usable_core_count()};
+  add_scene_options(app, o);
+  add_structures_option(app, o.structures);
+  add_json_option(app, o);
+  add_rays_option(app, o.rays);
+  add_count_option(app, o.count);
+  app.add_option_function<std::vector<unsigned>>(
+         "--threads", [&o](const auto& counts) { set_thread_counts(counts, o.thread_counts); },
+         "Threads, each pinned to a core; several counts, separated by commas: speeds with each of "
+         "them, builds with the largest")
+      ->delimiter(',')
+      ->default_str("all cores");
+  add_repeats_option(app, o.repeats);
+  add_build_budget_option(app, o.build_budget_s,
+                          "Seconds within which a structure is built again, for the median; 0: built once");
+}
+
+Work bench_command(CLI::App& app) {
+  return make_work(app, run_bench);
+}
 
 std::vector<std::string> with_reference(std::vector<std::string> names) {
   std::erase(names, kRatioReference);
@@ -160,13 +206,14 @@ std::vector<std::string> with_reference(std::vector<std::string> names) {
   return names;
 }
 
-SceneFigures measure_scene(const Scene& scene, const std::vector<std::string>& names, const Options& options,
-                           Progress& progress) {
-  return SceneBench(scene, options, progress).run(names);
+SceneFigures measure_scene(const Scene& scene, const std::vector<std::string>& names,
+                           const SpeedOptions& options, std::uint64_t seed, Progress& progress) {
+  return SceneBench(scene, options, seed, progress).run(names);
 }
 
-void bench_scene(const Scene& scene, const Options& options, Progress& progress, Report& report) {
-  const SceneFigures figures = measure_scene(scene, with_reference(options.structures), options, progress);
+void bench_scene(const Scene& scene, const BenchOptions& options, Progress& progress, Report& report) {
+  const SceneFigures figures =
+      measure_scene(scene, with_reference(options.structures), options, options.seed, progress);
   progress.clear();
   fmt::print("{}", build_table(figures.builds));
   for (unsigned count : options.thread_counts) {

@@ -1,15 +1,40 @@
 /// Building and tracing all structures over one scene, against each other.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
-#include "harness/cli/options.h"
-#include "harness/program/progress.h"
+#include "harness/program/options.h"
+#include "harness/program/session.h"
 #include "harness/report/records.h"
 #include "harness/scenes/scene.h"
 
 namespace stbvh::harness {
+
+/// How structures are measured over a scene.
+struct SpeedOptions : RayOptions {
+  std::vector<unsigned> thread_counts;  ///< that speeds are measured with, ascending
+  std::size_t repeats = 7;
+  double build_budget_s = 3;
+
+  /// Of the builds.
+  unsigned threads() const { return thread_counts.back(); }
+};
+
+/// Rays of each kind where --count is not given.
+inline constexpr std::size_t kDefaultBenchRays = 100'000;
+
+struct BenchOptions : SessionOptions, SpeedOptions {
+  std::vector<std::string> structures;
+};
+
+void add_options(CLI::App& app, BenchOptions& options);
+void run_bench(const BenchOptions& options);
+
+/// --build-budget: what `budget_s` says where it is not given.
+void add_build_budget_option(CLI::App& app, double& budget_s, const char* description);
 
 struct SceneFigures {
   std::vector<BuildResult> builds;
@@ -20,13 +45,13 @@ struct SceneFigures {
 std::vector<std::string> with_reference(std::vector<std::string> names);
 
 /// Builds those of `names` that fit into memory over `scene` (a line on stdout for each other), traces the
-/// rays of `options` with all of them in turn, then builds them again within the build budget. Without kinds
-/// of rays they are only built, one at a time.
-SceneFigures measure_scene(const Scene& scene, const std::vector<std::string>& names, const Options& options,
-                           Progress& progress);
+/// rays of `options` by `seed` with all of them in turn, then builds them again within the build budget.
+/// Without kinds of rays they are only built, one at a time.
+SceneFigures measure_scene(const Scene& scene, const std::vector<std::string>& names,
+                           const SpeedOptions& options, std::uint64_t seed, Progress& progress);
 
 /// Builds the structures of `options`, and embree, over `scene`, traces the same rays with all of them in
 /// turn (with each of its thread counts), prints the tables and adds their rows to `report`.
-void bench_scene(const Scene& scene, const Options& options, Progress& progress, Report& report);
+void bench_scene(const Scene& scene, const BenchOptions& options, Progress& progress, Report& report);
 
 }  // namespace stbvh::harness

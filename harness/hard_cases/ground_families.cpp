@@ -82,29 +82,36 @@ Vec3 upward(Pcg32& random) {
   return normalize(d);
 }
 
+/// Cases in one frame after the other. begin(i, frame, case) makes the scene of case i and returns what makes
+/// ray k of its share of `count` rays.
+template <class Begin>
+std::vector<HardCase> in_frames(std::size_t case_count, std::size_t count, const Begin& begin) {
+  std::vector<HardCase> cases(case_count);
+  for (std::size_t i = 0; i < case_count; ++i) {
+    const auto ray = begin(i, frame(i), cases[i]);
+    for (std::size_t k = share(count, i, case_count); k > 0; --k) cases[i].rays.push_back(ray(k));
+  }
+  return cases;
+}
+
 // The ground ----------------------------------------------------------------------------------------------
 
 /// One ground in each of six frames, at rest, moving along itself, and with steps that are all alike.
 std::vector<HardCase> grounds(double size, std::size_t count, std::uint64_t seed) {
   constexpr double kHeights[] = {0, 0, 1e-4, 1e-3, 1e-2};
-  constexpr std::size_t kCases = 18;
   Pcg32 random(seed, 60);
-  std::vector<HardCase> cases;
-  for (std::size_t i = 0; i < kCases; ++i) {
-    const Frame turned = frame(i);
+  return in_frames(18, count, [&](std::size_t i, const Frame& turned, HardCase& made) {
     const Motion motion = static_cast<Motion>(i / 6);
-    HardCase result{.scene = one_mesh(moving(ground_shape(size, 0), motion, turned, 0.01 * size))};
+    made.scene = one_mesh(moving(ground_shape(size, 0), motion, turned, 0.01 * size));
     // Something to hit, far above.
-    result.scene.meshes.push_back(moving(ground_shape(0.3 * size, 0.5 * size), motion, turned, 0));
-    for (std::size_t k = share(count, i, kCases); k > 0; --k) {
+    made.scene.meshes.push_back(moving(ground_shape(0.3 * size, 0.5 * size), motion, turned, 0));
+    return [&, turned](std::size_t k) {
       const Vec3 across = 0.9 * random_point(random, size);
       const Vec3 origin{across.x, kHeights[k % std::size(kHeights)], across.z};
       const Vec3 target = turned(upward(random));
-      result.rays.push_back(make_ray(turned(origin), target, kInfinity, random_time(random)));
-    }
-    cases.push_back(std::move(result));
-  }
-  return cases;
+      return make_ray(turned(origin), target, kInfinity, random_time(random));
+    };
+  });
 }
 
 // Flat boxes ----------------------------------------------------------------------------------------------
@@ -113,24 +120,19 @@ std::vector<HardCase> grounds(double size, std::size_t count, std::uint64_t seed
 std::vector<HardCase> slabs(double size, std::size_t count, std::uint64_t seed) {
   constexpr std::size_t kCases = 12;
   Pcg32 random(seed, 61);
-  std::vector<HardCase> cases;
-  for (std::size_t i = 0; i < kCases; ++i) {
-    const Frame turned = frame(i);
+  const Shape box = box_shape({-size, -1, -size}, {size, 1, size});
+  return in_frames(kCases, count, [&](std::size_t i, const Frame& turned, HardCase& made) {
     const bool is_inside = i >= kCases / 2;
-    const Motion motion = static_cast<Motion>(i % 3);
-    const Shape box = box_shape({-size, -1, -size}, {size, 1, size});
-    HardCase result{.scene = one_mesh(moving(box, motion, turned, 0.01 * size)),
-                    .expected = is_inside ? Expected::kClosed : Expected::kOracle};
-    for (std::size_t k = share(count, i, kCases); k > 0; --k) {
+    made.scene = one_mesh(moving(box, static_cast<Motion>(i % 3), turned, 0.01 * size));
+    made.expected = is_inside ? Expected::kClosed : Expected::kOracle;
+    return [&, turned, is_inside](std::size_t) {
       const Vec3 across = 0.9 * random_point(random, size);
       const double above = 1 + std::pow(10.0, -random.uniform(1, 4));
       const Vec3 origin{across.x, is_inside ? 0.9 * random_point(random, 1).y : above, across.z};
       const Vec3 direction = is_inside ? random_direction(random) : upward(random);
-      result.rays.push_back(make_ray(turned(origin), turned(direction), kInfinity, random_time(random)));
-    }
-    cases.push_back(std::move(result));
-  }
-  return cases;
+      return make_ray(turned(origin), turned(direction), kInfinity, random_time(random));
+    };
+  });
 }
 
 // Large triangles in any direction ------------------------------------------------------------------------
@@ -169,14 +171,11 @@ Scene object_on_ground(double size, const Frame& turned, Motion motion) {
 
 /// Shadow rays of the body and of the ground around it, from points of their surfaces.
 std::vector<HardCase> object_shadows(std::size_t count, std::uint64_t seed) {
-  constexpr std::size_t kCases = 6;
   Pcg32 random(seed, 63);
-  std::vector<HardCase> cases;
-  for (std::size_t i = 0; i < kCases; ++i) {
-    const Frame turned = frame(i);
-    HardCase result{.scene = object_on_ground(1e6, turned, static_cast<Motion>(i % 3))};
-    const Mesh& body = result.scene.meshes[1];
-    for (std::size_t k = share(count, i, kCases); k > 0; --k) {
+  return in_frames(6, count, [&](std::size_t i, const Frame& turned, HardCase& made) {
+    made.scene = object_on_ground(1e6, turned, static_cast<Motion>(i % 3));
+    return [&, turned](std::size_t k) {
+      const Mesh& body = made.scene.meshes[1];
       const float time = random_time(random);
       const Vec3 up = turned(upward(random));
       Vec3 origin;
@@ -187,11 +186,9 @@ std::vector<HardCase> object_shadows(std::size_t count, std::uint64_t seed) {
         const Vec3 across = random_point(random, 3);
         origin = turned({across.x, k % 4 == 1 ? 0 : 1e-4, across.z});
       }
-      result.rays.push_back(make_ray(origin, up, kInfinity, time));
-    }
-    cases.push_back(std::move(result));
-  }
-  return cases;
+      return make_ray(origin, up, kInfinity, time);
+    };
+  });
 }
 
 /// A huge triangle and seven small ones over the same few vertices, seen from near the small ones.
@@ -208,27 +205,21 @@ std::vector<HardCase> huge_beside_small(std::size_t count, std::uint64_t seed) {
 
 /// Triangles in planes across the axes, and rays from points of exactly these planes.
 std::vector<HardCase> planes_through_origin(std::size_t count, std::uint64_t seed) {
-  constexpr std::size_t kCases = 6;
   Pcg32 random(seed, 65);
-  std::vector<HardCase> cases;
-  for (std::size_t i = 0; i < kCases; ++i) {
-    const Frame turned = frame(i);
-    HardCase result;
+  return in_frames(6, count, [&](std::size_t, const Frame& turned, HardCase& made) {
     std::vector<double> heights;
     for (const double size : {1.0, 1e3, 1e6}) {
       heights.push_back(to_float(random_point(random, size)).y);
-      result.scene.meshes.push_back(
+      made.scene.meshes.push_back(
           moving(ground_shape(1e6, heights.back()), static_cast<Motion>(heights.size() - 1), turned, 10));
     }
-    for (std::size_t k = share(count, i, kCases); k > 0; --k) {
+    return [&random, turned, heights](std::size_t k) {
       const Vec3 across = random_point(random, 9e5);
       const Vec3 origin{across.x, heights[k % heights.size()], across.z};
       const Vec3 direction = upward(random) * (k % 2 == 0 ? 1.0 : -1.0);
-      result.rays.push_back(make_ray(turned(origin), turned(direction), kInfinity, random_time(random)));
-    }
-    cases.push_back(std::move(result));
-  }
-  return cases;
+      return make_ray(turned(origin), turned(direction), kInfinity, random_time(random));
+    };
+  });
 }
 
 // Rays that leave from where another hit ------------------------------------------------------------------

@@ -4,17 +4,17 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "harness/files/user_error.h"
 #include "harness/images/layered_image.h"
 
 namespace stbvh::harness {
 
 /// Two pictures that cannot be compared; what() is one sentence for the user.
-struct ComparisonError : std::runtime_error {
-  using std::runtime_error::runtime_error;
+struct ComparisonError : UserError {
+  using UserError::UserError;
 };
 
 struct PixelDifference {

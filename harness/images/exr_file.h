@@ -2,15 +2,15 @@
 #pragma once
 
 #include <filesystem>
-#include <stdexcept>
 
+#include "harness/files/user_error.h"
 #include "harness/images/layered_image.h"
 
 namespace stbvh::harness {
 
 /// A picture that is missing or broken; what() is one sentence for the user.
-struct ImageFileError : std::runtime_error {
-  using std::runtime_error::runtime_error;
+struct ImageFileError : UserError {
+  using UserError::UserError;
 };
 
 /// Writes `image` to `path`, whole or not at all (write_file): float channels as 32-bit floats, id channels

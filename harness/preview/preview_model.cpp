@@ -20,7 +20,8 @@ namespace stbvh::harness {
 
 namespace fs = std::filesystem;
 
-PreviewModel::PreviewModel(const Options& options, std::size_t most_samples, PreviewSession::OnNews on_news)
+PreviewModel::PreviewModel(const ModelOptions& options, std::size_t most_samples,
+                           PreviewSession::OnNews on_news)
     : options_(options),
       most_samples_(most_samples),
       session_(options.threads, most_samples, std::move(on_news)) {
@@ -30,13 +31,9 @@ PreviewModel::PreviewModel(const Options& options, std::size_t most_samples, Pre
 
 void PreviewModel::open(const std::string& name) {
   try {
-    Options options = options_;
-    options.scenes = {name};
-    session_.loader().request({find_scenes(options).front(), name, structures_});
+    session_.loader().request({find_scene(name, options_), name, structures_});
     say("");
-  } catch (const UsageError& e) {
-    say(e.what());
-  } catch (const SceneFileError& e) {
+  } catch (const UserError& e) {
     say(e.what());
   }
 }

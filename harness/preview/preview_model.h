@@ -6,15 +6,21 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
-#include "harness/cli/options.h"
 #include "harness/preview/animation.h"
 #include "harness/preview/camera_controller.h"
 #include "harness/preview/preview_session.h"
 #include "harness/preview/tree_view.h"
 #include "harness/preview/view_composer.h"
+#include "harness/program/scene_options.h"
 
 namespace stbvh::harness {
+
+struct ModelOptions : MakingOptions {
+  std::vector<std::string> structures;  ///< A and B, which may be missing
+  unsigned threads = 1;
+};
 
 struct TreeOptions {
   bool shows_boxes = false;
@@ -35,7 +41,7 @@ class PreviewModel {
  public:
   /// `options`: how scenes are made, threads, seed; `most_samples`: where pictures end; `on_news`: called
   /// from other threads when update() would find structures, or a new picture.
-  PreviewModel(const Options& options, std::size_t most_samples, PreviewSession::OnNews on_news = {});
+  PreviewModel(const ModelOptions& options, std::size_t most_samples, PreviewSession::OnNews on_news = {});
 
   /// A built-in scene or a file, through the structures that are chosen. Where it is neither, problem() says
   /// so and the last scene stays.
@@ -99,7 +105,7 @@ class PreviewModel {
   void write_layers(const std::filesystem::path& path, const GrowingPicture& picture,
                     const BuiltPair& structures, const RenderSettings& settings);
 
-  Options options_;
+  ModelOptions options_;
   std::size_t most_samples_;
   std::array<std::string, kSlots> structures_;
   std::size_t width_ = 0, height_ = 0;

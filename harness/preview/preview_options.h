@@ -6,13 +6,13 @@
 #include <optional>
 #include <string>
 
-#include "harness/cli/options.h"
+#include "harness/preview/preview_model.h"
 
 namespace stbvh::harness {
 
-struct PreviewOptions {
-  Options options;  ///< how scenes are made, the structures A and B, size, threads
+struct PreviewOptions : ModelOptions {
   std::string scene = "cloth";
+  std::size_t width = 1280, height = 800;
   std::size_t most_samples = 4096;
   std::optional<std::filesystem::path> screenshot;
   std::size_t frames = 30;  ///< after which the screenshot is taken

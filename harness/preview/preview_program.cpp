@@ -40,14 +40,13 @@ class Preview final : public ScriptStage {
   Preview(const PreviewOptions& options, Clock::time_point start)
       : options_(options),
         start_(start),
-        model_(options.options, options.most_samples, [this] { wake(); }),
+        model_(options, options.most_samples, [this] { wake(); }),
         script_(options.script ? read_script(*options.script) : std::vector<ScriptCommand>(), model_, *this) {
     if (options.screenshot) check_writable(*options.screenshot);
     model_.open(options.scene);
     if (!model_.load_progress().is_busy) throw UsageError(model_.message());
     // The scene is being made meanwhile.
-    window_.emplace("stbvh-preview", static_cast<int>(options.options.render.width),
-                    static_cast<int>(options.options.render.height));
+    window_.emplace("stbvh-preview", static_cast<int>(options.width), static_cast<int>(options.height));
     is_awaiting_picture_ = true;
     window_ready_ = Clock::now();
   }

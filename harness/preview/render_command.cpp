@@ -15,7 +15,7 @@ std::string text_of(Vec3f p) {
 
 }  // namespace
 
-std::string render_command(const Options& options, const std::string& scene,
+std::string render_command(const MakingOptions& options, const std::string& scene,
                            const std::array<std::string, kSlots>& structures,
                            const RenderSettings& settings) {
   const bool is_pair = !structures[1].empty() && structures[1] != structures[0];

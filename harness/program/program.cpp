@@ -14,13 +14,10 @@
 #include <new>
 #include <system_error>
 
-#include "harness/images/compare.h"
-#include "harness/images/exr_file.h"
+#include "harness/files/user_error.h"
 #include "harness/program/interruption.h"
 #include "harness/program/script.h"
-#include "harness/program/usage_error.h"
 #include "harness/report/read_records.h"
-#include "harness/scenes/scene_file.h"
 #include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
@@ -94,15 +91,9 @@ int run_as_program(const std::function<void()>& work) {
     work();
     flush_output();
     return 0;
-  } catch (const UsageError& e) {
-    return fail(2, e.what());
-  } catch (const SceneFileError& e) {
+  } catch (const UserError& e) {
     return fail(2, e.what());
   } catch (const OutputFileError& e) {
-    return fail(2, e.what());
-  } catch (const ImageFileError& e) {
-    return fail(2, e.what());
-  } catch (const ComparisonError& e) {
     return fail(2, e.what());
   } catch (const RecordFileError& e) {
     return fail(2, e.what());

@@ -1,33 +1,135 @@
 #include "harness/program/scene_options.h"
 
-namespace stbvh::harness {
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 
-void add_scale_option(CLI::App& app, Arguments& a) {
-  app.add_option(
-      "--scale", a.scale,
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "harness/program/options.h"
+#include "harness/program/usage_error.h"
+#include "harness/scenes/procedural/procedural.h"
+
+namespace stbvh::harness {
+namespace {
+
+constexpr double kLargestScale = 4;
+constexpr std::size_t kLargestObjStep = 1'000'000;
+
+double checked_scale(double scale) {
+  if (scale > 0 && scale <= kLargestScale) return scale;
+  throw UsageError(fmt::format("--scale must be above 0 and at most {}, not {}.", kLargestScale, scale));
+}
+
+TimeRange shutter(const std::string& text) {
+  const auto [begin, end] = parse_pair(text, ',', "--shutter");
+  if (!(begin >= 0) || !(begin < end) || !std::isfinite(end))
+    throw UsageError(fmt::format("--shutter must be A,B with 0 <= A < B, not \"{}\".", text));
+  return {static_cast<float>(begin), static_cast<float>(end)};
+}
+
+ShutterMode shutter_mode(const std::string& name) {
+  constexpr std::array<std::string_view, 2> kModes{"clamp", "loop"};
+  return index_of("shutter mode", name, kModes) == 0 ? ShutterMode::kClamp : ShutterMode::kLoop;
+}
+
+/// A number of steps, or auto:E.
+void set_steps(const std::string& steps, GltfOptions& gltf) {
+  constexpr std::string_view kAuto = "auto:";
+  if (steps.starts_with(kAuto)) {
+    const auto share = parse_number(std::string_view(steps).substr(kAuto.size()));
+    if (!share || !(*share > 0) || !(*share < 1)) {
+      throw UsageError(
+          fmt::format("--steps auto:E takes an E between 0 and 1, as in auto:1e-3, not \"{}\".", steps));
+    }
+    gltf.largest_deviation = *share;
+    return;
+  }
+  const auto count = parse_number(steps);
+  if (!count || !(*count >= 1) || !(*count <= double{kMaxSteps}) || *count != std::floor(*count)) {
+    throw UsageError(fmt::format("--steps must be 1 to {}, or auto:E, not \"{}\".", kMaxSteps, steps));
+  }
+  gltf.steps = static_cast<std::size_t>(*count);
+}
+
+/// Keeps what is given of the options that `app` has from the index `first` on.
+void keep_words(CLI::App& app, std::size_t first, std::vector<std::string>& words) {
+  app.parse_complete_callback([&, first, count = app.get_options().size()] {
+    const std::vector<CLI::Option*> options = app.get_options();
+    words.clear();
+    for (std::size_t i = first; i < count; ++i) {
+      if (options[i]->count() == 0) continue;
+      words.insert(words.end(),
+                   {options[i]->get_name(), fmt::format("{}", fmt::join(options[i]->results(), ","))});
+    }
+  });
+}
+
+}  // namespace
+
+std::vector<std::string> named_scenes(const std::vector<std::string>& asked) {
+  std::vector<std::string> names;
+  const auto add = [&](std::string_view name) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
+  };
+  for (const std::string& name : asked) {
+    if (name == "paper") {
+      for (const ProceduralScene& scene : paper_scenes()) add(scene.name);
+    } else if (name == "all") {
+      for (const ProceduralScene& scene : procedural_scenes()) add(scene.name);
+    } else {
+      add(name);
+    }
+  }
+  return names;
+}
+
+void add_scale_option(CLI::App& app, std::optional<double>& scale) {
+  app.add_option_function<double>(
+      "--scale", [&scale](double value) { scale = checked_scale(value); },
       "Size of the built-in scenes; 1 has as many triangles as the paper's. Default: each scene's own "
       "(see list)");
 }
 
-void add_making_options(CLI::App& app, Arguments& a) {
-  add_scale_option(app, a);
-  app.add_option("--seed", a.options.seed, "Seed of scenes and rays")->capture_default_str();
-  app.add_option("--clip", a.options.gltf.clip, "glTF: name or number of the animation. Default: the first");
-  app.add_option("--gltf-scene", a.options.gltf.scene,
+void add_making_options(CLI::App& app, MakingOptions& m) {
+  const std::size_t first = app.get_options().size();
+  add_scale_option(app, m.scale);
+  app.add_option("--seed", m.seed, "Seed of scenes and rays")->capture_default_str();
+  app.add_option("--clip", m.gltf.clip, "glTF: name or number of the animation. Default: the first");
+  app.add_option("--gltf-scene", m.gltf.scene,
                  "glTF: name or number of the scene. Default: the file's own, or the first with a mesh");
-  app.add_option("--shutter", a.shutter, "glTF: A,B, the part of the clip in seconds. Default: all of it");
-  app.add_option("--shutter-mode", a.shutter_mode,
-                 "glTF: where the shutter is longer than the clip: clamp (its ends are held) or loop (it is "
-                 "played again)")
-      ->capture_default_str();
-  app.add_option("--steps", a.steps,
-                 "glTF: steps of each moving mesh; or auto:E, for each mesh as few as keep it within E times "
-                 "the diagonal of its true motion, as in auto:1e-3")
-      ->capture_default_str();
-  app.add_option(
-         "--step", a.options.obj_step,
-         "OBJ: by how much the numbers of a sequence go up from file to file, as in 2 for one on twos")
-      ->capture_default_str();
+  app.add_option_function<std::string>(
+      "--shutter", [&m](const auto& text) { m.gltf.shutter_seconds = shutter(text); },
+      "glTF: A,B, the part of the clip in seconds. Default: all of it");
+  app.add_option_function<std::string>(
+         "--shutter-mode", [&m](const auto& name) { m.gltf.shutter_mode = shutter_mode(name); },
+         "glTF: where the shutter is longer than the clip: clamp (its ends are held) or loop (it is "
+         "played again)")
+      ->default_str("clamp");
+  app.add_option_function<std::string>(
+         "--steps", [&m](const auto& steps) { set_steps(steps, m.gltf); },
+         "glTF: steps of each moving mesh; or auto:E, for each mesh as few as keep it within E times "
+         "the diagonal of its true motion, as in auto:1e-3")
+      ->default_str(std::to_string(m.gltf.steps));
+  add_number_option(
+      app, "--step", m.obj_step, kLargestObjStep,
+      "OBJ: by how much the numbers of a sequence go up from file to file, as in 2 for one on twos");
+  keep_words(app, first, m.scene_words);
+}
+
+void add_scene_options(CLI::App& app, SceneOptions& s) {
+  const std::size_t first = app.get_options().size();
+  app.add_option_function<std::vector<std::string>>(
+         "--scenes", [&s](const auto& asked) { s.scenes = named_scenes(asked); },
+         "Names of built-in scenes (see list), paper (its six), all, .glb, .gltf, .xml (Embree's) and .ecs "
+         "files, or .obj files (one for each step: walk_%04d.obj, or a folder); separated by commas")
+      ->delimiter(',')
+      ->default_str("[paper]");
+  add_making_options(app, s);
+  keep_words(app, first, s.scene_words);
 }
 
 std::string shell_word(const std::string& word) {

@@ -1,18 +1,47 @@
-/// How the command lines of all programs say which scene, and how it is made.
+/// How the command lines of all programs say which scene, and how it is made. The options are checked as they
+/// are read: UsageError.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
-#include "harness/cli/check_options.h"
+#include "harness/scenes/gltf/gltf.h"
+
+namespace CLI {
+class App;
+}
 
 namespace stbvh::harness {
 
-/// --scale.
-void add_scale_option(CLI::App& app, Arguments& arguments);
+/// How scenes are made.
+struct MakingOptions {
+  std::optional<double> scale;  ///< of built-in scenes; empty: each scene's default
+  std::uint64_t seed = 1;
+  GltfOptions gltf;
+  std::size_t obj_step = 1;  ///< by which the numbers of OBJ sequences go up
+  /// Those of these options, and --scenes, that were given, for another command.
+  std::vector<std::string> scene_words;
+};
 
-/// How a scene is made that is named elsewhere: --scale, --seed and those of glTF files.
-void add_making_options(CLI::App& app, Arguments& arguments);
+/// Names of built-in scenes, and files: each of `asked` once, with "paper" and "all" replaced by the scenes
+/// they stand for.
+std::vector<std::string> named_scenes(const std::vector<std::string>& asked);
+
+struct SceneOptions : MakingOptions {
+  std::vector<std::string> scenes = named_scenes({"paper"});
+};
+
+/// --scale.
+void add_scale_option(CLI::App& app, std::optional<double>& scale);
+
+/// How a scene is made that is named elsewhere: --scale, --seed and those of files.
+void add_making_options(CLI::App& app, MakingOptions& making);
+
+/// --scenes, and how these are made.
+void add_scene_options(CLI::App& app, SceneOptions& scenes);
 
 /// `word` as a shell takes it for one.
 std::string shell_word(const std::string& word);

@@ -64,7 +64,7 @@ SceneSource obj_source(const std::string& name, std::size_t number_step) {
   return {scene_name, [=] { return checked(load_obj(name, print_warning, number_step), scene_name); }};
 }
 
-SceneSource built_in_source(const std::string& name, const Options& options) {
+SceneSource built_in_source(const std::string& name, const MakingOptions& options) {
   const ProceduralScene* scene = find_procedural_scene(name);
   if (scene == nullptr) {
     std::vector<std::string_view> known;
@@ -93,15 +93,14 @@ void print_warning(const std::string& sentence) {
   fmt::print(stderr, "{}stbvh-ab: {}\n", is_terminal ? "\r\x1b[K" : "", one_line(sentence));
 }
 
-std::vector<SceneSource> find_scenes(const Options& options) {
+SceneSource find_scene(const std::string& name, const MakingOptions& making) {
+  if (find_procedural_scene(name) == nullptr && is_obj_name(name)) return obj_source(name, making.obj_step);
+  return is_file_name(name) ? file_source(name, making.gltf) : built_in_source(name, making);
+}
+
+std::vector<SceneSource> find_scenes(const SceneOptions& options) {
   std::vector<SceneSource> sources;
-  for (const std::string& name : options.scenes) {
-    if (find_procedural_scene(name) == nullptr && is_obj_name(name)) {
-      sources.push_back(obj_source(name, options.obj_step));
-      continue;
-    }
-    sources.push_back(is_file_name(name) ? file_source(name, options.gltf) : built_in_source(name, options));
-  }
+  for (const std::string& name : options.scenes) sources.push_back(find_scene(name, options));
   return sources;
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "harness/cli/options.h"
+#include "harness/program/scene_options.h"
 #include "harness/report/records.h"
 #include "harness/scenes/scene.h"
 
@@ -17,9 +17,12 @@ struct SceneSource {
   std::function<Scene()> load;  ///< throws UsageError or SceneFileError
 };
 
-/// Throws UsageError for names that are neither a built-in scene nor a .glb, .gltf, .xml or .ecs file that
+/// Throws UsageError for a name that is neither a built-in scene nor a .glb, .gltf, .xml or .ecs file that
 /// exists, and SceneFileError for OBJ files that make no sequence.
-std::vector<SceneSource> find_scenes(const Options& options);
+SceneSource find_scene(const std::string& name, const MakingOptions& making);
+
+/// All scenes of `options`, likewise.
+std::vector<SceneSource> find_scenes(const SceneOptions& options);
 
 /// `scene`, named `name`. Throws UsageError for what no ray can be sent through.
 Scene checked(Scene scene, const std::string& name);

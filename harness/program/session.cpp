@@ -14,12 +14,13 @@
 
 namespace stbvh::harness {
 
-std::vector<RaySet> make_ray_sets(const Scene& scene, const Options& options, Progress& progress) {
+std::vector<RaySet> make_ray_sets(const Scene& scene, const RayOptions& options, std::uint64_t seed,
+                                  unsigned threads, Progress& progress) {
   progress.stage(fmt::format("{}: making rays", scene.name));
-  const auto reference = build_structure(kReferenceStructure, scene, options.threads);
+  const auto reference = build_structure(kReferenceStructure, scene, threads);
   std::vector<RaySet> sets;
   for (RayKind kind : options.rays) {
-    sets.push_back(make_rays(kind, scene, *reference, options.count, options.seed));
+    sets.push_back(make_rays(kind, scene, *reference, options.count, seed));
     if (sets.back().rays.size() < options.count) {
       fmt::print("Only {} {} rays: the scene is hit too seldom.\n", sets.back().rays.size(),
                  ray_kind_name(kind));
@@ -50,7 +51,7 @@ std::vector<std::string> structures_that_fit(const std::vector<std::string>& nam
   return fitting;
 }
 
-void for_each_scene(const Options& options, Progress& progress,
+void for_each_scene(const SessionOptions& options, Progress& progress,
                     const std::function<void(const Scene&)>& work) {
   const std::vector<SceneSource> sources = find_scenes(options);
   if (options.json) check_writable(*options.json);
@@ -66,7 +67,7 @@ void for_each_scene(const Options& options, Progress& progress,
   }
 }
 
-void write_records(const Options& options, const Report& report) {
+void write_records(const RecordOptions& options, const Report& report) {
   if (options.json)
     write_file(*options.json, to_json(report, this_machine(), built_commit(), options.command_line));
 }

@@ -1,11 +1,13 @@
-/// What bench and error share: a scene in work, its rays, and what fits into memory.
+/// What commands share that go from scene to scene: a scene in work, its rays, and what fits into memory.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "harness/cli/options.h"
+#include "harness/program/options.h"
 #include "harness/program/progress.h"
 #include "harness/program/scene_source.h"
 #include "harness/rays/ray_set.h"
@@ -16,8 +18,12 @@ namespace stbvh::harness {
 /// The structure whose hit points bounce and shadow rays start from, whatever is compared.
 inline constexpr std::string_view kReferenceStructure = "embree-robust";
 
-/// `count` rays of each kind that was asked for, from kReferenceStructure's hit points.
-std::vector<RaySet> make_ray_sets(const Scene& scene, const Options& options, Progress& progress);
+/// What such a command was asked for.
+struct SessionOptions : SceneOptions, RecordOptions {};
+
+/// The rays of `options` by `seed`, from hit points of kReferenceStructure, which is built with `threads`.
+std::vector<RaySet> make_ray_sets(const Scene& scene, const RayOptions& options, std::uint64_t seed,
+                                  unsigned threads, Progress& progress);
 
 /// Those of `names` that the machine's free memory can hold over `scene`, each beside the structure `beside`
 /// (none if empty); for each other a line on stdout says how much it would need.
@@ -26,10 +32,10 @@ std::vector<std::string> structures_that_fit(const std::vector<std::string>& nam
 
 /// Runs `work` on each scene of `options` in turn, each heading its own part of the output. Throws
 /// OutputFileError before that if write_records could not write.
-void for_each_scene(const Options& options, Progress& progress,
+void for_each_scene(const SessionOptions& options, Progress& progress,
                     const std::function<void(const Scene&)>& work);
 
 /// Writes `report` to the JSON file, if one was asked for. Throws OutputFileError.
-void write_records(const Options& options, const Report& report);
+void write_records(const RecordOptions& options, const Report& report);
 
 }  // namespace stbvh::harness

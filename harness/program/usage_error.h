@@ -1,13 +1,13 @@
 /// What the user asked for cannot be done.
 #pragma once
 
-#include <stdexcept>
+#include "harness/files/user_error.h"
 
 namespace stbvh::harness {
 
 /// what() is one sentence for the user; the program ends with exit code 2.
-struct UsageError : std::runtime_error {
-  using std::runtime_error::runtime_error;
+struct UsageError : UserError {
+  using UserError::UserError;
 };
 
 }  // namespace stbvh::harness

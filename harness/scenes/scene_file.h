@@ -3,14 +3,15 @@
 
 #include <cstddef>
 #include <functional>
-#include <stdexcept>
 #include <string>
+
+#include "harness/files/user_error.h"
 
 namespace stbvh::harness {
 
 /// A file that is missing, broken or needs what is not supported; what() is one sentence for the user.
-struct SceneFileError : std::runtime_error {
-  using std::runtime_error::runtime_error;
+struct SceneFileError : UserError {
+  using UserError::UserError;
 };
 
 /// Told a sentence for each thing that a scene is read without, or otherwise than the file means it.

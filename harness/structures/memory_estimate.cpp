@@ -10,7 +10,7 @@
 namespace stbvh::harness {
 namespace {
 
-// Bytes for each primitive segment, rounded up from the seven scenes of BASELINE.md (57 to 73 final with
+// Bytes for each primitive segment, rounded up from what seven built-in scenes take (57 to 73 final with
 // indexed leaves, 2.07 times that with the vertices in the leaves, and 20 to 80 more while building);
 // `stbvh-ab bench` prints what they are now.
 constexpr double kFinalBytes = 70;

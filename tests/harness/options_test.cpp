@@ -1,22 +1,28 @@
 /// What command lines are read as.
-#include "harness/cli/options.h"
-#include "harness/program/usage_error.h"
-
 #include <gtest/gtest.h>
 
+#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
+#include "harness/cli/report_options.h"
+#include "harness/cli/scene_bench.h"
 #include "harness/program/pinned_threads.h"
+#include "harness/program/usage_error.h"
 #include "harness/scenes/procedural/procedural.h"
 
 namespace stbvh::harness {
 namespace {
 
+template <class Options = BenchOptions>
 Options parse(const std::vector<std::string>& arguments) {
   std::vector<const char*> argv{"stbvh-ab"};
   for (const std::string& argument : arguments) argv.push_back(argument.c_str());
-  return parse_options(static_cast<int>(argv.size()), argv.data()).value();
+  Options options;
+  CLI::App app;
+  add_options(*app.add_subcommand(arguments.front(), ""), options);
+  EXPECT_TRUE(parse_command_line(app, static_cast<int>(argv.size()), argv.data()));
+  return options;
 }
 
 std::vector<std::string> names_of(std::span<const ProceduralScene> scenes) {
@@ -51,13 +57,13 @@ TEST(GltfOptions, StepsAreANumberOrADeviation) {
 }
 
 TEST(SceneOptions, AreHandedOnAsTheyWereGiven) {
-  EXPECT_TRUE(parse({"report", "-o", "page", "--quick"}).scene_words.empty());
-  const Options given =
-      parse({"report", "-o", "page", "--scenes", "cloth,my.glb", "--scale", "0.5", "--seed=7", "--clip", "-1",
-             "--shutter", "0,0.5", "--shutter-mode", "loop", "--steps", "auto:1e-3"});
+  EXPECT_TRUE(parse<ReportOptions>({"report", "-o", "page", "--quick"}).scene_words.empty());
+  const SceneOptions given = parse<ReportOptions>(
+      {"report", "-o", "page", "--scenes", "cloth,my.glb", "--scale", "0.5", "--seed=7", "--clip", "-1",
+       "--shutter", "0,0.5", "--shutter-mode", "loop", "--steps", "auto:1e-3"});
   std::vector<std::string> words{"bench"};
   words.insert(words.end(), given.scene_words.begin(), given.scene_words.end());
-  for (const Options& o : {given, parse(words)}) {
+  for (const SceneOptions& o : {given, static_cast<SceneOptions>(parse(words))}) {
     EXPECT_EQ(o.scenes, (std::vector<std::string>{"cloth", "my.glb"}));
     EXPECT_EQ(o.scale, 0.5);
     EXPECT_EQ(o.seed, 7u);
@@ -71,12 +77,12 @@ TEST(SceneOptions, AreHandedOnAsTheyWereGiven) {
 
 TEST(ThreadOptions, AreAllCoresOrAListOfCounts) {
   EXPECT_EQ(parse({"bench"}).thread_counts, std::vector<unsigned>{usable_core_count()});
-  EXPECT_EQ(parse({"bench"}).threads, usable_core_count());
+  EXPECT_EQ(parse({"bench"}).threads(), usable_core_count());
   EXPECT_EQ(parse({"error", "--threads", "1"}).thread_counts, std::vector<unsigned>{1});
   EXPECT_EQ(parse({"bench", "--threads", "1,1"}).thread_counts, std::vector<unsigned>{1});
   if (usable_core_count() < 2) GTEST_SKIP() << "one core";
   EXPECT_EQ(parse({"bench", "--threads", "2,1"}).thread_counts, (std::vector<unsigned>{1, 2}));
-  EXPECT_EQ(parse({"bench", "--threads", "2,1"}).threads, 2u);
+  EXPECT_EQ(parse({"bench", "--threads", "2,1"}).threads(), 2u);
 }
 
 }  // namespace

@@ -21,8 +21,8 @@ namespace {
 
 class PreviewModelTest : public ::testing::Test {
  protected:
-  static Options options(double scale = 0.01) {
-    Options o;
+  static ModelOptions options(double scale = 0.01) {
+    ModelOptions o;
     o.scale = scale;
     o.scene_words = {"--scale", std::to_string(scale)};
     o.threads = 2;
@@ -132,7 +132,7 @@ TEST_F(PreviewModelTest, StructuresAreChangedOneByOne) {
 
 TEST_F(PreviewModelTest, CancelsABuildOfEachKind) {
   for (const char* name : {"stbvh-direct", "stbvh", "embree", "lbvh"}) {
-    Options o = options(1);
+    ModelOptions o = options(1);
     o.structures = {name};
     bool is_cancelled = false;
     for (int attempt = 0; attempt < 20 && !is_cancelled; ++attempt) {
@@ -199,7 +199,7 @@ TEST_F(PreviewModelTest, EndsWhileASceneIsBeingMade) {
 }
 
 TEST_F(PreviewModelTest, ShowsAWhileBIsBeingBuilt) {
-  Options o = options(0.3);
+  ModelOptions o = options(0.3);
   o.structures = {"embree", "lbvh"};
   bool was_shown = false;
   for (int attempt = 0; attempt < 10 && !was_shown; ++attempt) {  // a busy machine may not look in time
