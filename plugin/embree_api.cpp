@@ -3,6 +3,7 @@
 #if RTC_VERSION_MAJOR >= 4
 
 #include <memory>
+#include <new>
 #include <type_traits>
 
 namespace stbvh::plugin {
@@ -29,12 +30,13 @@ void look_for_options(const Arguments* arguments) {
   trial.was_found = &options_behind<Options>(arguments) == trial.options;
 }
 
-/// Queries a scene of one box, alone and in a packet, for both kinds of callbacks.
+/// Queries a scene of one box, alone and in a packet, for both kinds of callbacks. Throws std::bad_alloc
+/// where Embree makes no such scene.
 bool try_options_behind_arguments() {
   const Owned<RTCDevice> device(rtcNewDevice("threads=1"));
   const Owned<RTCScene> scene(device ? rtcNewScene(device.get()) : nullptr);
   const Owned<RTCGeometry> geometry(scene ? rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_USER) : nullptr);
-  if (!geometry) return false;
+  if (!geometry) throw std::bad_alloc();
   Trial trial{nullptr, false};
   rtcSetGeometryUserPrimitiveCount(geometry.get(), 1);
   rtcSetGeometryUserData(geometry.get(), &trial);
@@ -49,7 +51,7 @@ bool try_options_behind_arguments() {
   rtcCommitGeometry(geometry.get());
   rtcAttachGeometry(scene.get(), geometry.get());
   rtcCommitScene(scene.get());
-  if (rtcGetDeviceError(device.get()) != RTC_ERROR_NONE) return false;
+  if (rtcGetDeviceError(device.get()) != RTC_ERROR_NONE) throw std::bad_alloc();
 
   IntersectOptions intersect;
   rtcInitIntersectArguments(&intersect);

@@ -24,7 +24,7 @@ inline QueryContext new_context() {
 }
 
 /// Whether this Embree keeps a query's options where options_behind looks for them. Found out by a query,
-/// once.
+/// once. Throws std::bad_alloc where there is no memory for it.
 bool keeps_options_behind_arguments();
 
 template <typename Options>

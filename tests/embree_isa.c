@@ -3,9 +3,10 @@
  * and does all hold on a lesser processor? */
 #define _GNU_SOURCE
 #include <dlfcn.h>
-#include <embree3/rtcore.h>
 #include <stdio.h>
 #include <stdlib.h>
+
+#include "stbvh/stbvh_embree.h"
 
 __attribute__((visibility("default"))) RTCDevice rtcNewDevice(const char* config) {
   RTCDevice (*new_device)(const char*) = (RTCDevice(*)(const char*))(size_t)dlsym(RTLD_NEXT, "rtcNewDevice");

@@ -22,12 +22,15 @@ static enum RTCError add_triangle(StbvhGeometry geometry, const void* const* ste
 }
 
 static unsigned int trace(RTCScene scene, float x, float y, float time) {
+  struct RTCRayHit query = {.ray = {x, y, 5, 0, 0, 0, -1, time, INFINITY, 0xFFFFFFFFu, 0, 0},
+                            .hit = {.geomID = RTC_INVALID_GEOMETRY_ID}};
+#if RTC_VERSION_MAJOR >= 4
+  rtcIntersect1(scene, &query, NULL);
+#else
   struct RTCIntersectContext context;
-  struct RTCRayHit query = {{x, y, 5, 0, 0, 0, -1, time, INFINITY, 0xFFFFFFFFu, 0, 0},
-                            {0, 0, 0, 0, 0, 0, 0, {0}}};
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   rtcInitIntersectContext(&context);
   rtcIntersect1(scene, &context, &query);
+#endif
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) {
     printf("time %.2f at (%g, %g): nothing\n", time, x, y);
   } else {

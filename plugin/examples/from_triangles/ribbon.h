@@ -2,7 +2,11 @@
 #ifndef RIBBON_H
 #define RIBBON_H
 
+#if STBVH_EMBREE_MAJOR >= 4 /* by CMake or pkg-config: which Embree libstbvh is for */
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 
 enum { kColumns = 64, kSteps = 9, kVertices = 2 * (kColumns + 1), kTriangles = 2 * kColumns };
 
