@@ -94,9 +94,9 @@ TEST_F(PluginDeviceErrors, OfNullAreTheThreads) {
   EXPECT_EQ(stbvhCommitGeometry(nullptr), RTC_ERROR_INVALID_ARGUMENT);
   expect_refused("geometry is null");
   RTCRayHit ray = ray_down(.1f, .1f, .5f);
-  stbvhIntersect1(nullptr, nullptr, &ray);
+  intersect_one(StbvhGeometry{}, ray);
   expect_refused("geometry is null");
-  stbvhOccluded1(nullptr, nullptr, &ray.ray);
+  occluded_one(StbvhGeometry{}, ray.ray);
   expect_refused("geometry is null");
   std::thread([] { EXPECT_STREQ(stbvhGetErrorMessage(nullptr), ""); }).join();
 }

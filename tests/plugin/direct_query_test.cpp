@@ -1,7 +1,6 @@
 // stbvhIntersect1 and stbvhOccluded1: what rtcIntersect1 and rtcOccluded1 give of a scene with the geometry
 // alone.
 #include <cmath>
-#include <cstring>
 #include <new>
 #include <stdexcept>
 #include <thread>
@@ -10,10 +9,6 @@
 
 namespace stbvh::test {
 namespace {
-
-bool same_bits(const RTCRayHit& a, const RTCRayHit& b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;
-}
 
 /// Rays through both, of some masks; `hits` and misses there must be enough of.
 void expect_same_bits(const ScenePair& pair, std::uint32_t seed, unsigned count = 3000) {
@@ -68,9 +63,10 @@ TEST(PluginDirectQueries, TakeTheInstanceFromTheContextAsEmbreeDoes) {
   const RTCRayHit hit = intersect_directly(pair.geometry.get(), ray);
   EXPECT_EQ(hit.hit.geomID, 0u);
   EXPECT_EQ(hit.hit.instID[0], RTC_INVALID_GEOMETRY_ID);
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  EXPECT_TRUE(same_bits(intersect_directly(pair.geometry.get(), ray, &context), hit));
+  QueryContext context = new_context();
+  EXPECT_TRUE(same_bits(intersect_directly(pair.geometry.get(), ray, {.context = &context}), hit));
+  context.instID[0] = 5;
+  EXPECT_EQ(intersect_directly(pair.geometry.get(), ray, {.context = &context}).hit.instID[0], 5u);
 }
 
 /// Embree's tree leaves out the end of the range that the whole geometry has; the kernels do not.
@@ -156,10 +152,10 @@ TEST(PluginDirectQueries, WhatFiltersThrowBecomesTheDevicesError) {
     const OwnGeometry geometry = own_geometry(device, meshes);
     const RTCError expected = no_memory ? RTC_ERROR_OUT_OF_MEMORY : RTC_ERROR_UNKNOWN;
     RTCRayHit ray = ray_down(.1f, .1f, .5f);
-    stbvhIntersect1(geometry.get(), nullptr, &ray);
+    intersect_one(geometry.get(), ray);
     EXPECT_EQ(rtcGetDeviceError(device.get()), expected);
     ray = ray_down(.1f, .1f, .5f);
-    stbvhOccluded1(geometry.get(), nullptr, &ray.ray);
+    occluded_one(geometry.get(), ray.ray);
     EXPECT_EQ(rtcGetDeviceError(device.get()), expected);
   }
 }

@@ -1,4 +1,4 @@
-// Filter functions of meshes and contexts, as Embree's own triangles call them.
+// Filter functions of meshes and queries, as Embree's own triangles call them.
 #include <cmath>
 #include <map>
 #include <set>
@@ -11,7 +11,7 @@ namespace {
 
 /// The application's own context and ray, larger than Embree's: filters cast to them.
 struct Context {
-  RTCIntersectContext embree;
+  QueryContext embree = test::new_context();
   unsigned magic = 0xC0FFEE;
   std::set<std::tuple<unsigned, unsigned>> seen;  ///< geomID, primID of each candidate
   unsigned calls = 0;
@@ -21,13 +21,6 @@ struct ExtendedRay {
   RTCRayHit embree;
   unsigned magic = 0xBEEF;
 };
-
-Context new_context(RTCFilterFunctionN filter = nullptr) {
-  Context context;
-  rtcInitIntersectContext(&context.embree);
-  context.embree.filter = filter;
-  return context;
-}
 
 /// Calls `decide` for each valid lane; false rejects.
 template <typename Decide>
@@ -81,22 +74,26 @@ class PluginFilters : public testing::Test {
     for (unsigned i = 0; i < 3; ++i) meshes_[i].user_ptr = &numbers_[i];
   }
 
-  /// The same hits on `count` random rays with that context filter, closest and any hit.
-  void expect_same(RTCFilterFunctionN context_filter, unsigned count = 2000) {
+  /// The same hits on `count` random rays with the query's options, closest and any hit.
+  void expect_same(const QueryOptions& options, unsigned count = 2000) {
     const ScenePair pair = scene_pair(device_, meshes_);
     Random random(11);
     unsigned hits = 0, calls = 0;
     for (unsigned i = 0; i < count; ++i) {
       const RTCRayHit ray = random_ray(random);
-      Context native = new_context(context_filter), own = new_context(context_filter);
-      const RTCRayHit expected = intersect(pair.native.get(), ray, &native.embree);
-      ASSERT_NO_FATAL_FAILURE(expect_same_hit(expected, intersect(pair.own.get(), ray, &own.embree)));
-      const bool occluded = is_occluded(pair.native.get(), ray, &native.embree);
-      ASSERT_EQ(occluded, is_occluded(pair.own.get(), ray, &own.embree));
-      Context direct = new_context(context_filter);
+      Context native, own, direct;
+      const auto with = [&](Context& context) {
+        QueryOptions result = options;
+        result.context = &context.embree;
+        return result;
+      };
+      const RTCRayHit expected = intersect(pair.native.get(), ray, with(native));
+      ASSERT_NO_FATAL_FAILURE(expect_same_hit(expected, intersect(pair.own.get(), ray, with(own))));
+      const bool occluded = is_occluded(pair.native.get(), ray, with(native));
+      ASSERT_EQ(occluded, is_occluded(pair.own.get(), ray, with(own)));
       ASSERT_NO_FATAL_FAILURE(
-          expect_same_hit(expected, intersect_directly(pair.geometry.get(), ray, &direct.embree)));
-      ASSERT_EQ(occluded, is_occluded_directly(pair.geometry.get(), ray, &direct.embree));
+          expect_same_hit(expected, intersect_directly(pair.geometry.get(), ray, with(direct))));
+      ASSERT_EQ(occluded, is_occluded_directly(pair.geometry.get(), ray, with(direct)));
       ASSERT_EQ(own.wrong, 0u);
       ASSERT_EQ(direct.wrong, 0u);
       ASSERT_EQ(direct.calls, own.calls);
@@ -114,41 +111,41 @@ class PluginFilters : public testing::Test {
 
 TEST_F(PluginFilters, OfOneMesh) {
   meshes_[1].intersect_filter = meshes_[1].occluded_filter = reject_odd_primitives;
-  expect_same(nullptr);
+  expect_same({});
 }
 
 TEST_F(PluginFilters, OfAllMeshesWithTheirUserPointers) {
   for (TestMesh& mesh : meshes_) mesh.intersect_filter = mesh.occluded_filter = reject_checkers;
-  expect_same(nullptr);
+  expect_same({});
 }
 
 TEST_F(PluginFilters, OnlyForClosestHit) {
   for (TestMesh& mesh : meshes_) mesh.intersect_filter = reject_odd_primitives;
-  expect_same(nullptr);
+  expect_same({});
 }
 
 TEST_F(PluginFilters, OnlyForAnyHit) {
   for (TestMesh& mesh : meshes_) mesh.occluded_filter = reject_odd_primitives;
-  expect_same(nullptr);
+  expect_same({});
 }
 
-TEST_F(PluginFilters, OfTheContext) {
-  expect_same(reject_every_third);
+TEST_F(PluginFilters, OfTheQuery) {
+  expect_same({.filter = reject_every_third});
 }
 
-TEST_F(PluginFilters, OfMeshesAndThenOfTheContext) {
+TEST_F(PluginFilters, OfMeshesAndThenOfTheQuery) {
   meshes_[0].intersect_filter = meshes_[0].occluded_filter = reject_checkers;
   meshes_[2].intersect_filter = meshes_[2].occluded_filter = reject_odd_primitives;
-  expect_same(reject_every_third);
+  expect_same({.filter = reject_every_third});
 }
 
-TEST_F(PluginFilters, TheContextsFilterSeesOnlyWhatTheMeshsAccepted) {
+TEST_F(PluginFilters, TheQuerysFilterSeesOnlyWhatTheMeshsAccepted) {
   for (TestMesh& mesh : meshes_) mesh.intersect_filter = mesh.occluded_filter = reject_odd_primitives;
   const ScenePair pair = scene_pair(device_, meshes_);
   Random random(3);
   for (unsigned i = 0; i < 500; ++i) {
-    Context context = new_context(collect_all);
-    intersect(pair.own.get(), random_ray(random), &context.embree);
+    Context context;
+    intersect(pair.own.get(), random_ray(random), {.context = &context.embree, .filter = collect_all});
     for (const auto& [geometry, primitive] : context.seen) EXPECT_EQ(primitive % 2, 0u);
   }
 }
@@ -160,12 +157,12 @@ TEST_F(PluginFilters, ThatRejectEverythingSeeEveryHit) {
   std::size_t candidates = 0;
   for (unsigned i = 0; i < 2000; ++i) {
     const RTCRayHit ray = random_ray(random);
-    Context native = new_context(), own = new_context(), occlusion = new_context();
-    intersect(pair.native.get(), ray, &native.embree);
-    const RTCRayHit after = intersect(pair.own.get(), ray, &own.embree);
+    Context native, own, occlusion;
+    intersect(pair.native.get(), ray, {.context = &native.embree});
+    const RTCRayHit after = intersect(pair.own.get(), ray, {.context = &own.embree});
     EXPECT_EQ(after.ray.tfar, ray.ray.tfar);
     EXPECT_EQ(after.hit.geomID, RTC_INVALID_GEOMETRY_ID);
-    EXPECT_FALSE(is_occluded(pair.own.get(), ray, &occlusion.embree));
+    EXPECT_FALSE(is_occluded(pair.own.get(), ray, {.context = &occlusion.embree}));
     ASSERT_EQ(native.seen, own.seen) << i;
     ASSERT_EQ(native.seen, occlusion.seen) << i;
     candidates += own.seen.size();
@@ -193,10 +190,10 @@ TEST(PluginFilterArguments, AreTheApplicationsContextAndRayWithTheCandidatesDist
     meshes[0].user_ptr = user_ptr;
     const ScenePair pair = scene_pair(device, meshes);
     for (const RTCScene scene : {pair.native.get(), pair.own.get()}) {
-      Context context = new_context();
+      Context context;
       ExtendedRay ray{ray_down(.1f, .1f, .5f)};
       ray.embree.ray.tfar = 99;
-      rtcIntersect1(scene, &context.embree, &ray.embree);
+      intersect_one(scene, ray.embree, {.context = &context.embree});
       EXPECT_EQ(context.calls, 1u);
       EXPECT_EQ(context.wrong, 0u);
       // Some of Embree's instruction sets round the distance otherwise; what stood there comes back as it
@@ -253,9 +250,9 @@ TEST(PluginFilterArguments, AFilterMayLeaveAnotherDistanceToCollectSeveralHits) 
   Random random(2);
   for (unsigned i = 0; i < 2000; ++i) {
     const RTCRayHit ray = random_ray(random);
-    NearestTwo native{new_context(), {}}, own{new_context(), {}};
-    const RTCRayHit expected = intersect(pair.native.get(), ray, &native.context.embree);
-    const RTCRayHit found = intersect(pair.own.get(), ray, &own.context.embree);
+    NearestTwo native, own;
+    const RTCRayHit expected = intersect(pair.native.get(), ray, {.context = &native.context.embree});
+    const RTCRayHit found = intersect(pair.own.get(), ray, {.context = &own.context.embree});
     ASSERT_EQ(native.hits.size(), own.hits.size());
     for (auto a = native.hits.begin(), b = own.hits.begin(); a != native.hits.end(); ++a, ++b) {
       ASSERT_EQ(a->second, b->second);
@@ -267,7 +264,7 @@ TEST(PluginFilterArguments, AFilterMayLeaveAnotherDistanceToCollectSeveralHits) 
 }
 
 template <typename Packet, unsigned N, typename Trace>
-void expect_same_filtered_packets(const ScenePair& pair, Trace&& trace) {
+void expect_same_filtered_packets(const ScenePair& pair, const QueryOptions& options, Trace&& trace) {
   Random random(N);
   for (unsigned round = 0; round < 2000 / N; ++round) {
     alignas(64) int valid[N];
@@ -275,14 +272,17 @@ void expect_same_filtered_packets(const ScenePair& pair, Trace&& trace) {
     for (unsigned i = 0; i < N; ++i) {
       valid[i] = random.below(4) == 0 ? 0 : -1;
       const RTCRayHit ray = random_ray(random);
-      for (unsigned m = 0; m < 20; ++m) {
+      for (unsigned m = 0; m < kRayHitMembers; ++m) {
         const float value = reinterpret_cast<const float*>(&ray)[m];
         reinterpret_cast<float*>(&native)[m * N + i] = reinterpret_cast<float*>(&own)[m * N + i] = value;
       }
     }
-    Context native_context = new_context(reject_every_third), own_context = new_context(reject_every_third);
-    trace(valid, pair.native.get(), &native_context.embree, &native);
-    trace(valid, pair.own.get(), &own_context.embree, &own);
+    Context native_context, own_context;
+    QueryOptions of_native = options, of_own = options;
+    of_native.context = &native_context.embree;
+    of_own.context = &own_context.embree;
+    trace(valid, pair.native.get(), native, of_native);
+    trace(valid, pair.own.get(), own, of_own);
     ASSERT_EQ(own_context.wrong, 0u);
     for (unsigned i = 0; i < N; ++i) {
       if (valid[i] == 0) continue;
@@ -293,22 +293,59 @@ void expect_same_filtered_packets(const ScenePair& pair, Trace&& trace) {
   }
 }
 
-TEST_F(PluginFilters, InPackets) {
-  for (TestMesh& mesh : meshes_) mesh.intersect_filter = reject_checkers;
-  const ScenePair pair = scene_pair(device_, meshes_);
-  expect_same_filtered_packets<RTCRayHit4, 4>(pair, rtcIntersect4);
-  expect_same_filtered_packets<RTCRayHit8, 8>(pair, rtcIntersect8);
-  expect_same_filtered_packets<RTCRayHit16, 16>(pair, rtcIntersect16);
+/// Of all widths, closest and any hit.
+void expect_same_filtered_packets(const ScenePair& pair, const QueryOptions& options) {
+  const auto closest = [](auto&&... query) { intersect_packet(query...); };
+  expect_same_filtered_packets<RTCRayHit4, 4>(pair, options, closest);
+  expect_same_filtered_packets<RTCRayHit8, 8>(pair, options, closest);
+  expect_same_filtered_packets<RTCRayHit16, 16>(pair, options, closest);
+  const auto any = [](auto&&... query) { occluded_packet(query...); };
+  expect_same_filtered_packets<RTCRayHit4, 4>(pair, options, any);
+  expect_same_filtered_packets<RTCRayHit8, 8>(pair, options, any);
+  expect_same_filtered_packets<RTCRayHit16, 16>(pair, options, any);
 }
 
-TEST_F(PluginFilters, InOcclusionPackets) {
-  for (TestMesh& mesh : meshes_) mesh.occluded_filter = reject_checkers;
-  const ScenePair pair = scene_pair(device_, meshes_);
-  const auto trace = [](const int* valid, RTCScene scene, RTCIntersectContext* context, RTCRayHit8* packet) {
-    rtcOccluded8(valid, scene, context, &packet->ray);
-  };
-  expect_same_filtered_packets<RTCRayHit8, 8>(pair, trace);
+TEST_F(PluginFilters, InPackets) {
+  for (TestMesh& mesh : meshes_) mesh.intersect_filter = mesh.occluded_filter = reject_checkers;
+  expect_same_filtered_packets(scene_pair(device_, meshes_), {.filter = reject_every_third});
 }
+
+#if RTC_VERSION_MAJOR >= 4
+
+TEST_F(PluginFilters, OfTheQueryForThoseMeshesThatAskForIt) {
+  meshes_[0].takes_query_filters = meshes_[2].takes_query_filters = true;
+  const QueryOptions options{.filter = reject_every_third, .filters_all_meshes = false};
+  expect_same(options);
+  expect_same_filtered_packets(scene_pair(device_, meshes_), options);
+  meshes_[0].intersect_filter = meshes_[1].occluded_filter = reject_odd_primitives;
+  expect_same(options);
+  const ScenePair pair = scene_pair(device_, meshes_);
+  Random random(5);
+  std::set<unsigned> asked;
+  for (unsigned i = 0; i < 500; ++i) {
+    Context context;
+    intersect(pair.own.get(), random_ray(random),
+              {.context = &context.embree, .filter = collect_all, .filters_all_meshes = false});
+    for (const auto& [geometry, primitive] : context.seen) asked.insert(geometry);
+  }
+  EXPECT_EQ(asked, (std::set<unsigned>{0, 2}));
+}
+
+TEST_F(PluginFilters, OfTheQueryForNoneWhereNoneAsksForIt) {
+  const ScenePair pair = scene_pair(device_, meshes_);
+  Random random(6);
+  for (unsigned i = 0; i < 500; ++i) {
+    const RTCRayHit ray = random_ray(random);
+    Context context;
+    const RTCRayHit hit =
+        intersect(pair.own.get(), ray,
+                  {.context = &context.embree, .filter = collect_all, .filters_all_meshes = false});
+    ASSERT_TRUE(same_bits(hit, intersect(pair.own.get(), ray)));
+    ASSERT_EQ(context.calls, 0u);
+  }
+}
+
+#endif
 
 TEST_F(PluginFilters, OfHitsBelowAnInstanceKnowTheInstance) {
   for (TestMesh& mesh : meshes_) mesh.intersect_filter = accept_and_collect;
@@ -324,8 +361,8 @@ TEST_F(PluginFilters, OfHitsBelowAnInstanceKnowTheInstance) {
   Random random(12);
   unsigned hits = 0;
   for (unsigned i = 0; i < 300; ++i) {
-    Context context = new_context();
-    const RTCRayHit hit = intersect(top.get(), random_ray(random), &context.embree);
+    Context context;
+    const RTCRayHit hit = intersect(top.get(), random_ray(random), {.context = &context.embree});
     if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) continue;
     ++hits;
     EXPECT_EQ(hit.hit.instID[0], 9u);

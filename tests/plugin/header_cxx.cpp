@@ -8,5 +8,5 @@ extern "C" unsigned stbvh_test_default_mask_in_c();
 
 TEST(PluginHeader, IsTheSameInCAndCxx) {
   EXPECT_EQ(stbvh_test_mesh_arguments_size_in_c(), sizeof(StbvhMeshArguments));
-  EXPECT_EQ(stbvh_test_default_mask_in_c(), 0xFFFFFFFFu);
+  EXPECT_EQ(stbvh_test_default_mask_in_c(), STBVH_DEFAULT_MASK);
 }

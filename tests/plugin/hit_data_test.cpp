@@ -1,4 +1,6 @@
 // Hit data as Embree's own triangles give it.
+#include <algorithm>
+
 #include "tests/plugin/mesh_pair.h"
 
 namespace stbvh::test {
@@ -140,6 +142,36 @@ TEST(PluginHitData, MasksOfMeshesAndRays) {
     hits += native.hit.geomID != RTC_INVALID_GEOMETRY_ID;
   }
   EXPECT_GT(hits, 400u);
+}
+
+TEST(PluginHitData, AMeshWithoutAMaskHasEmbreesDefault) {
+  const Device device = new_device();
+  const TestMesh mesh = flat_triangle(0, 3);
+  std::vector<const void*> pointers;
+  StbvhMeshArguments arguments = arguments_of(mesh, pointers);
+  StbvhMeshArguments defaults;
+  stbvhInitMeshArguments(&defaults);
+  arguments.mask = defaults.mask;
+  const OwnGeometry geometry(stbvhNewGeometry(device.get()));
+  ASSERT_EQ(stbvhAddMesh(geometry.get(), &arguments, nullptr), RTC_ERROR_NONE);
+  ASSERT_EQ(stbvhCommitGeometry(geometry.get()), RTC_ERROR_NONE);
+  const NativeGeometry triangles(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
+  rtcSetSharedGeometryBuffer(triangles.get(), RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                             mesh.steps[0].data(), 0, sizeof(Position), mesh.vertex_count());
+  rtcSetSharedGeometryBuffer(triangles.get(), RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices.data(),
+                             0, 12, 1);
+  rtcCommitGeometry(triangles.get());
+  const Scene native = new_scene(device), own = new_scene(device);
+  rtcAttachGeometryByID(native.get(), triangles.get(), 0);
+  rtcAttachGeometryByID(own.get(), stbvhGetGeometry(geometry.get()), 0);
+  rtcCommitScene(native.get());
+  rtcCommitScene(own.get());
+  for (const unsigned mask : {0u, 1u, 2u, 3u, 0x80000000u, 0xFFFFFFFFu}) {
+    RTCRayHit ray = ray_down(.1f, .1f, .3f);
+    ray.ray.mask = mask;
+    SCOPED_TRACE(testing::Message() << "mask " << mask);
+    expect_same_hit(intersect(native.get(), ray), intersect(own.get(), ray));
+  }
 }
 
 TEST(PluginHitData, BothSidesAreHit) {

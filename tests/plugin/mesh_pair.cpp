@@ -52,6 +52,9 @@ StbvhMeshArguments arguments_of(const TestMesh& mesh, std::vector<const void*>& 
   arguments.userPtr = mesh.user_ptr;
   arguments.intersectFilter = mesh.intersect_filter;
   arguments.occludedFilter = mesh.occluded_filter;
+#if RTC_VERSION_MAJOR >= 4
+  arguments.enableFilterFunctionFromArguments = mesh.takes_query_filters;
+#endif
   return arguments;
 }
 
@@ -61,7 +64,7 @@ Device new_device() {
 
 Scene new_scene(const Device& device) {
   Scene scene(rtcNewScene(device.get()));
-  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+  rtcSetSceneFlags(scene.get(), kQueryFilters);
   return scene;
 }
 
@@ -80,6 +83,9 @@ NativeGeometry native_geometry(const Device& device, const TestMesh& mesh) {
   rtcSetGeometryUserData(g, mesh.user_ptr);
   rtcSetGeometryIntersectFilterFunction(g, mesh.intersect_filter);
   rtcSetGeometryOccludedFilterFunction(g, mesh.occluded_filter);
+#if RTC_VERSION_MAJOR >= 4
+  rtcSetGeometryEnableFilterFunctionFromArguments(g, mesh.takes_query_filters);
+#endif
   rtcCommitGeometry(g);
   return geometry;
 }
@@ -144,10 +150,8 @@ RTCRayHit ray_down(float x, float y, float time) {
   return query;
 }
 
-RTCRayHit intersect(RTCScene scene, RTCRayHit ray, RTCIntersectContext* context) {
-  RTCIntersectContext plain;
-  rtcInitIntersectContext(&plain);
-  rtcIntersect1(scene, context == nullptr ? &plain : context, &ray);
+RTCRayHit intersect(RTCScene scene, RTCRayHit ray, const QueryOptions& options) {
+  intersect_one(scene, ray, options);
   return ray;
 }
 
@@ -160,23 +164,25 @@ static bool was_occluded(const RTCRay& before, RTCRay after) {
   return occluded;
 }
 
-bool is_occluded(RTCScene scene, const RTCRayHit& query, RTCIntersectContext* context) {
-  RTCIntersectContext plain;
-  rtcInitIntersectContext(&plain);
+bool is_occluded(RTCScene scene, const RTCRayHit& query, const QueryOptions& options) {
   RTCRay ray = query.ray;
-  rtcOccluded1(scene, context == nullptr ? &plain : context, &ray);
+  occluded_one(scene, ray, options);
   return was_occluded(query.ray, ray);
 }
 
-RTCRayHit intersect_directly(StbvhGeometry geometry, RTCRayHit ray, RTCIntersectContext* context) {
-  stbvhIntersect1(geometry, context, &ray);
+RTCRayHit intersect_directly(StbvhGeometry geometry, RTCRayHit ray, const QueryOptions& options) {
+  intersect_one(geometry, ray, options);
   return ray;
 }
 
-bool is_occluded_directly(StbvhGeometry geometry, const RTCRayHit& query, RTCIntersectContext* context) {
+bool is_occluded_directly(StbvhGeometry geometry, const RTCRayHit& query, const QueryOptions& options) {
   RTCRay ray = query.ray;
-  stbvhOccluded1(geometry, context, &ray);
+  occluded_one(geometry, ray, options);
   return was_occluded(query.ray, ray);
+}
+
+bool same_bits(const RTCRayHit& a, const RTCRayHit& b) {
+  return std::memcmp(&a, &b, kRayHitMembers * sizeof(float)) == 0;
 }
 
 void expect_same_hit(const RTCRayHit& native, const RTCRayHit& own) {
@@ -189,6 +195,9 @@ void expect_same_hit(const RTCRayHit& native, const RTCRayHit& own) {
       << "at distances " << native.ray.tfar << " and " << own.ray.tfar << ", u, v " << native.hit.u << ", "
       << native.hit.v << " and " << own.hit.u << ", " << own.hit.v;
   ASSERT_EQ(native.hit.instID[0], own.hit.instID[0]);
+#if defined(RTC_GEOMETRY_INSTANCE_ARRAY)
+  ASSERT_EQ(native.hit.instPrimID[0], own.hit.instPrimID[0]);
+#endif
   EXPECT_NEAR(native.ray.tfar, own.ray.tfar, 1e-4f * (1 + std::fabs(native.ray.tfar)));
   EXPECT_NEAR(native.hit.u, own.hit.u, 1e-3f);
   EXPECT_NEAR(native.hit.v, own.hit.v, 1e-3f);

@@ -1,14 +1,13 @@
 /// The same meshes as Embree's own triangle geometries and as one geometry of the plugin.
 #pragma once
 
-#include <embree3/rtcore.h>
 #include <gtest/gtest.h>
-#include <stbvh/stbvh_embree.h>
 
 #include <cstdint>
 #include <memory>
 #include <vector>
 
+#include "tests/plugin/queries.h"
 #include "tests/random.h"
 
 namespace stbvh::test {
@@ -25,6 +24,7 @@ struct TestMesh {
   RTCFilterFunctionN intersect_filter = nullptr;
   RTCFilterFunctionN occluded_filter = nullptr;
   void* user_ptr = nullptr;
+  bool takes_query_filters = false;  ///< also those that are not for all meshes: Embree 4
 
   std::size_t vertex_count() const { return steps[0].size() - 1; }
 };
@@ -75,14 +75,15 @@ RTCRayHit random_ray(Random& random);
 
 RTCRayHit ray_down(float x, float y, float time);
 
-RTCRayHit intersect(RTCScene scene, RTCRayHit ray, RTCIntersectContext* context = nullptr);
+RTCRayHit intersect(RTCScene scene, RTCRayHit ray, const QueryOptions& options = {});
 /// Whether the ray is occluded: tfar must be -inf then, and unchanged otherwise.
-bool is_occluded(RTCScene scene, const RTCRayHit& ray, RTCIntersectContext* context = nullptr);
+bool is_occluded(RTCScene scene, const RTCRayHit& ray, const QueryOptions& options = {});
 
 /// The same by stbvhIntersect1 and stbvhOccluded1.
-RTCRayHit intersect_directly(StbvhGeometry geometry, RTCRayHit ray, RTCIntersectContext* context = nullptr);
-bool is_occluded_directly(StbvhGeometry geometry, const RTCRayHit& ray,
-                          RTCIntersectContext* context = nullptr);
+RTCRayHit intersect_directly(StbvhGeometry geometry, RTCRayHit ray, const QueryOptions& options = {});
+bool is_occluded_directly(StbvhGeometry geometry, const RTCRayHit& ray, const QueryOptions& options = {});
+
+bool same_bits(const RTCRayHit& a, const RTCRayHit& b);
 
 /// Same IDs; distance, u, v and normal within rounding.
 void expect_same_hit(const RTCRayHit& native, const RTCRayHit& own);
