@@ -15,4 +15,10 @@ void run_charts(const Options& options) {
   run_script("charts.py", arguments);
 }
 
+void run_results(const Options& options) {
+  std::vector<std::string> arguments{"--output=" + options.output.string(), "--"};
+  arguments.insert(arguments.end(), options.record_files.begin(), options.record_files.end());
+  run_script("results.py", arguments);
+}
+
 }  // namespace stbvh::harness

@@ -182,6 +182,7 @@ void check_trace(Arguments& a, const CLI::App& command, std::size_t rays,
   if (!(o.build_budget_s >= 0) || !std::isfinite(o.build_budget_s))
     throw UsageError(fmt::format("--build-budget must be at least 0 seconds, not {}.", o.build_budget_s));
   if (!a.json.empty()) o.json = a.json;
+  if (!a.tables.empty()) o.tables = a.tables;
 }
 
 void check_bench(Arguments& a, const CLI::App& command) {
@@ -202,7 +203,10 @@ void check_pareto(Arguments& a, const CLI::App& command) {
     if (a.json.empty()) throw UsageError("--plot needs --json: the plot is made from the records.");
     a.options.plot = a.plot;
   }
-  check_trace(a, command, kDefaultParetoRays, kParetoStructures);
+  const bool is_measured = a.options.record_files.empty();
+  check_trace(a, command, kDefaultParetoRays,
+              is_measured ? std::span<const std::string_view>(kParetoStructures)
+                          : std::span<const std::string_view>());
 }
 
 /// What is measured where --values does not say.
@@ -261,6 +265,10 @@ void check_charts(Arguments& a, const CLI::App&) {
   a.options.directory = a.directory;
 }
 
+void check_results(Arguments& a, const CLI::App&) {
+  a.options.output = a.output;
+}
+
 void check_compare(Arguments& a, const CLI::App&) {
   if (!a.difference_png.empty()) a.options.difference_png = a.difference_png;
   if (!a.json.empty()) a.options.json = a.json;
@@ -311,6 +319,7 @@ constexpr CommandChecks kCommands[] = {
     {"pareto", Command::kPareto, true, check_pareto},
     {"scaling", Command::kScaling, false, check_scaling},
     {"charts", Command::kCharts, false, check_charts},
+    {"results", Command::kResults, false, check_results},
     {"render", Command::kRender, true, check_render},
     {"compare", Command::kCompare, false, check_compare},
     {"truth", Command::kTruth, true, check_truth},

@@ -35,6 +35,7 @@ struct Arguments {
   std::string steps = "9";
   std::string size;
   std::string json;
+  std::string tables;
   std::string plot;
   std::string difference_png;
   std::string from;

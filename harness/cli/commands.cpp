@@ -27,6 +27,8 @@ void run(const Options& options) {
       return run_scaling(options);
     case Command::kCharts:
       return run_charts(options);
+    case Command::kResults:
+      return run_results(options);
     case Command::kRender:
       return run_render(options);
     case Command::kCompare:

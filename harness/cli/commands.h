@@ -17,6 +17,8 @@ void run_pareto(const Options& options);
 void run_scaling(const Options& options);
 /// Draws the records of bench and scaling; prints the files' names. Throws ScriptFailure.
 void run_charts(const Options& options);
+/// Writes a page of the records of several machines. Throws ScriptFailure.
+void run_results(const Options& options);
 /// Writes an OpenEXR file for each scene and structure. Throws Interrupted after the part that was finished
 /// at SIGINT has been written.
 void run_render(const Options& options);

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 
 #include "harness/cli/commands.h"
 #include "harness/cli/distance_figures.h"
@@ -10,6 +9,7 @@
 #include "harness/cli/trace.h"
 #include "harness/cli/wrong_answers.h"
 #include "harness/oracle/judge.h"
+#include "harness/report/screen.h"
 #include "harness/report/table.h"
 
 namespace stbvh::harness {
@@ -61,8 +61,9 @@ std::string describe(const std::string& structure, const JudgedRays& set, const 
       describe_hit(exact.is_hit, any, exact.t, exact.geom_id, exact.prim_id), exact.edge_distance_ulps);
 }
 
-void run_scene(const Scene& scene, const Options& options, PinnedThreads& threads, Progress& progress,
-               Report& report) {
+/// Adds the figures of one scene to `report`; returns their tables.
+std::string run_scene(const Scene& scene, const Options& options, PinnedThreads& threads, Progress& progress,
+                      Report& report) {
   const std::vector<std::string> names = structures_that_fit(options.structures, scene, "");
   std::vector<JudgedRays> sets;
   for (RaySet& rays : make_ray_sets(scene, options, progress)) sets.push_back({std::move(rays), {}});
@@ -88,9 +89,8 @@ void run_scene(const Scene& scene, const Options& options, PinnedThreads& thread
       }
     }
   }
-  progress.clear();
-  fmt::print("{}{}{}", error_table(results), distance_table(results), differences);
   report.errors.insert(report.errors.end(), results.begin(), results.end());
+  return scene_heading(summarize(scene)) + error_table(results) + distance_table(results) + differences;
 }
 
 }  // namespace
@@ -99,9 +99,11 @@ void run_error(const Options& options) {
   Progress progress;
   Report report;
   PinnedThreads threads(options.threads);
+  std::string tables;
   for_each_scene(options, progress,
-                 [&](const Scene& scene) { run_scene(scene, options, threads, progress, report); });
-  write_records(options, report);
+                 [&](const Scene& scene) { tables += run_scene(scene, options, threads, progress, report); });
+  progress.clear();
+  write_results(options, report, options.scenes.size(), error_screen(report.errors), tables);
   require_right_answers(report.errors);
 }
 

@@ -57,6 +57,10 @@ void add_common_options(CLI::App& app, Arguments& a, const std::string& default_
   app.add_option("--json", a.json, "File for the records");
 }
 
+void add_tables_option(CLI::App& app, Arguments& a) {
+  app.add_option("--tables", a.tables, "File for all tables, of which the screen has a summary");
+}
+
 void add_threads_option(CLI::App& app, Arguments& a) {
   app.add_option("--threads", a.options.threads, "Threads, each pinned to a core; also of the builds")
       ->default_str("all cores");
@@ -64,6 +68,7 @@ void add_threads_option(CLI::App& app, Arguments& a) {
 
 void add_trace_options(CLI::App& app, Arguments& a, std::size_t default_count) {
   add_common_options(app, a, "all");
+  add_tables_option(app, a);
   app.add_option("--rays", a.rays, "primary, bounce, uniform, shadow, bounce-occluded, uniform-occluded")
       ->delimiter(',')
       ->capture_default_str();
@@ -103,6 +108,7 @@ void add_hard(CLI::App& app, Arguments& a) {
   CLI::App& hard = *app.add_subcommand(
       "hard", "Hold what each structure answers to the catalogue of hard cases against the oracle");
   add_common_options(hard, a, names_of(kHardStructures));
+  add_tables_option(hard, a);
   add_threads_option(hard, a);
   hard.add_option("--families", a.options.families,
                   "Families of hard cases (see list), or all; separated by commas")
@@ -118,11 +124,17 @@ void add_pareto(CLI::App& app, Arguments& a) {
       app, a, "pareto",
       "Speed against error: scenes for speed, hard cases for error, a point for each structure");
   add_common_options(pareto, a, names_of(kParetoStructures));
+  add_tables_option(pareto, a);
   add_threads_option(pareto, a);
   pareto.add_option("--count", a.options.count, "Rays of each family of hard cases")
       ->default_str(std::to_string(kDefaultParetoRays));
   pareto.add_option("--repeats", a.options.repeats, "Times that each ray set is traced")
       ->capture_default_str();
+  pareto
+      .add_option(
+          "--from", a.options.record_files,
+          "Files of bench and hard with speeds and hard cases, separated by commas: nothing is measured")
+      ->delimiter(',');
   pareto.add_option("--plot", a.plot, "PNG file for the plot; needs --json and python3-matplotlib");
 }
 
@@ -169,6 +181,18 @@ void add_charts(CLI::App& app, Arguments& a) {
   charts.add_option("--format", a.options.chart_format, "svg or png")
       ->check(CLI::IsMember({"svg", "png"}))
       ->capture_default_str();
+}
+
+void add_results(CLI::App& app, Arguments& a) {
+  CLI::App& results = *app.add_subcommand(
+      "results", "A page of the records of bench, error and hard on several machines, side by side");
+  results.add_option("records", a.options.record_files, "Files that bench, error and hard wrote with --json")
+      ->required();
+  results
+      .add_option(
+          "-o,--output", a.output,
+          "Markdown file; where it has the markers of an earlier page, only what is between them is replaced")
+      ->required();
 }
 
 void add_render(CLI::App& app, Arguments& a) {
@@ -236,6 +260,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv) {
   add_pareto(app, a);
   add_scaling(app, a);
   add_charts(app, a);
+  add_results(app, a);
   add_render(app, a);
   add_compare(app, a);
   add_truth_and_report(app, a);

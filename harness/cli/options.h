@@ -37,6 +37,7 @@ enum class Command {
   kCharts,
   kCompare,
   kReport,
+  kResults,
   kTruth,
   kConvert
 };
@@ -70,7 +71,8 @@ struct Options {
   std::size_t count = 0;
   double build_budget_s = 3;
   std::optional<std::filesystem::path> json;
-  std::optional<std::filesystem::path> plot;  ///< made from the records, so only with json
+  std::optional<std::filesystem::path> tables;  ///< file for what does not fit on a screen
+  std::optional<std::filesystem::path> plot;    ///< made from the records, so only with json
   Over over = Over::kSteps;
   std::vector<std::size_t> values;        ///< of what a scaling run varies, ascending
   std::vector<std::string> record_files;  ///< that charts draws

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <iterator>
 
 #include "harness/cli/commands.h"
@@ -11,7 +10,8 @@
 #include "harness/cli/scene_bench.h"
 #include "harness/cli/script.h"
 #include "harness/cli/session.h"
-#include "harness/report/machine.h"
+#include "harness/cli/usage_error.h"
+#include "harness/report/read_records.h"
 #include "harness/report/table.h"
 #include "plugin/files/output_file.h"
 
@@ -71,12 +71,6 @@ Spread speed_ratio(std::span<const SpeedResult> speeds, const std::string& struc
 
 }  // namespace
 
-std::vector<std::string> pareto_families() {
-  std::vector<std::string> names;
-  for (const ParetoFamily& family : kFamilies) names.emplace_back(family.name);
-  return names;
-}
-
 std::vector<ParetoResult> pareto_points(std::span<const std::string> structures,
                                         std::span<const SpeedResult> speeds,
                                         std::span<const HardResult> hards) {
@@ -91,29 +85,68 @@ std::vector<ParetoResult> pareto_points(std::span<const std::string> structures,
   return points;
 }
 
-void run_pareto(const Options& options) {
-  if (options.plot) check_writable(*options.plot);
+namespace {
+
+/// Speeds and hard cases of `options`; returns their tables.
+std::string measure(const Options& options, Report& report) {
   Progress progress;
-  Report report;
   Options speed = options;
   speed.count = kDefaultBenchRays;
   speed.rays = {RayKind::kBounce, RayKind::kUniform};
   speed.build_budget_s = 0;
-  for_each_scene(speed, progress, [&](const Scene& scene) { bench_scene(scene, speed, progress, report); });
-  progress.clear();
-  fmt::print("\n{}", hard_heading());
+  std::string tables;
+  for_each_scene(speed, progress,
+                 [&](const Scene& scene) { tables += bench_scene(scene, speed, progress, report); });
+  tables += fmt::format("\n{}", hard_heading());
   PinnedThreads threads(options.threads);
   for (const ParetoFamily& asked : kFamilies) {
     const FamilyResults family =
         run_family(*find_hard_family(asked.name), options.count, options, threads, progress);
-    progress.clear();
-    for (const HardResult& result : family.results) fmt::print("{}", hard_row(result));
-    std::fflush(stdout);
+    for (const HardResult& result : family.results) tables += hard_row(result);
     report.hards.insert(report.hards.end(), family.results.begin(), family.results.end());
   }
-  report.paretos = pareto_points(options.structures, report.speeds, report.hards);
-  fmt::print("{}\n{}", hard_legend(), pareto_table(report.paretos));
-  write_records(options, report);
+  return tables + hard_legend() + "\n";
+}
+
+Report read_all(const std::vector<std::string>& files) {
+  Report all;
+  for (const std::string& file : files) {
+    const Report read = read_speeds_and_hards(file);
+    all.speeds.insert(all.speeds.end(), read.speeds.begin(), read.speeds.end());
+    all.hards.insert(all.hards.end(), read.hards.begin(), read.hards.end());
+  }
+  return all;
+}
+
+/// Of `names`, those that there are speeds and hard cases of.
+std::vector<std::string> those_in(const Report& report, const std::vector<std::string>& names) {
+  std::vector<std::string> found;
+  for (const std::string& name : names) {
+    const auto has = [&](const auto& r) { return r.structure == name; };
+    if (std::any_of(report.speeds.begin(), report.speeds.end(), has) &&
+        std::any_of(report.hards.begin(), report.hards.end(), has))
+      found.push_back(name);
+  }
+  return found;
+}
+
+}  // namespace
+
+void run_pareto(const Options& options) {
+  if (options.plot) check_writable(*options.plot);
+  Report report;
+  std::string tables;
+  if (options.record_files.empty()) {
+    tables = measure(options, report);
+    report.paretos = pareto_points(options.structures, report.speeds, report.hards);
+  } else {
+    const Report read = read_all(options.record_files);
+    report.paretos = pareto_points(those_in(read, options.structures), read.speeds, read.hards);
+    if (report.paretos.empty())
+      throw UsageError("--from: no structure has both speeds and hard cases in these files.");
+  }
+  const std::string points = pareto_table(report.paretos);
+  write_results(options, report, std::size(kFamilies), points, tables + points);
   if (options.plot) run_script("plot_pareto.py", {options.json->string(), options.plot->string()});
 }
 

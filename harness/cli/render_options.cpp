@@ -81,6 +81,10 @@ void add_render_options(CLI::App& command, Arguments& a) {
                   "OpenEXR file; for several scenes or structures a folder of SCENE-STRUCTURE.exr")
       ->required();
   command.add_flag("--png", a.options.png, "Beside each OpenEXR file a PNG to look at");
+  command.add_option(
+      "--json", a.json,
+      "File for the records; beside the OpenEXR files SCENE-STRUCTURE*.png of each picture, its "
+      "difference from that of stbvh-direct, and what camera rays meet");
   command.add_option("--size", a.size, "WxH in pixels")->default_str("960x540");
   command.add_option("--spp", r.samples_per_pixel, "Samples for each pixel")->capture_default_str();
   command.add_option("--threads", a.options.threads, "Threads")->default_str("all cores");
@@ -127,6 +131,7 @@ void check_render_options(Arguments& a, const CLI::App& command) {
   r.threads = a.options.threads;
   a.options.environment = a.environment;
   a.options.output = a.output;
+  if (!a.json.empty()) a.options.json = a.json;
 }
 
 }  // namespace stbvh::harness

@@ -165,18 +165,18 @@ SceneFigures measure_scene(const Scene& scene, const std::vector<std::string>& n
   return SceneBench(scene, options, progress).run(names);
 }
 
-void bench_scene(const Scene& scene, const Options& options, Progress& progress, Report& report) {
+std::string bench_scene(const Scene& scene, const Options& options, Progress& progress, Report& report) {
   const SceneFigures figures = measure_scene(scene, with_reference(options.structures), options, progress);
-  progress.clear();
-  fmt::print("{}", build_table(figures.builds));
+  std::string tables = scene_heading(summarize(scene)) + build_table(figures.builds);
   for (unsigned count : options.thread_counts) {
     std::vector<SpeedResult> speeds;
     std::copy_if(figures.speeds.begin(), figures.speeds.end(), std::back_inserter(speeds),
                  [&](const SpeedResult& r) { return r.threads == count; });
-    fmt::print("\n{}", speed_table(speeds));
+    tables += fmt::format("\n{}", speed_table(speeds));
   }
   report.builds.insert(report.builds.end(), figures.builds.begin(), figures.builds.end());
   report.speeds.insert(report.speeds.end(), figures.speeds.begin(), figures.speeds.end());
+  return tables;
 }
 
 }  // namespace stbvh::harness

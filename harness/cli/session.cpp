@@ -49,17 +49,26 @@ std::vector<std::string> structures_that_fit(const std::vector<std::string>& nam
 void for_each_scene(const Options& options, Progress& progress,
                     const std::function<void(const Scene&)>& work) {
   const std::vector<SceneSource> sources = find_scenes(options);
-  if (options.json) check_writable(*options.json);
+  check_outputs(options);
   fmt::print("{}", machine_line(this_machine(), built_commit()));
   for (const SceneSource& source : sources) {
     progress.stage(fmt::format("{}: making the scene", source.name));
     const Scene scene = source.load();
-    progress.clear();
-    fmt::print("{}", scene_heading(summarize(scene)));
-    std::fflush(stdout);
     work(scene);
-    std::fflush(stdout);
   }
+}
+
+void check_outputs(const Options& options) {
+  for (const auto& file : {options.json, options.tables}) {
+    if (file) check_writable(*file);
+  }
+}
+
+void write_results(const Options& options, const Report& report, std::size_t parts, const std::string& screen,
+                   const std::string& tables) {
+  fmt::print("{}", parts == 1 ? tables : screen);
+  if (options.tables) write_file(*options.tables, machine_line(this_machine(), built_commit()) + tables);
+  write_records(options, report);
 }
 
 void write_records(const Options& options, const Report& report) {

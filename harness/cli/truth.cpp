@@ -16,6 +16,7 @@
 #include "harness/images/exr_file.h"
 #include "harness/path_tracer/frozen_times.h"
 #include "harness/path_tracer/render.h"
+#include "harness/report/table.h"
 #include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
@@ -105,8 +106,11 @@ void run_truth(const Options& options) {
   for (const char* name : {"frozen-times.exr", "motion.exr"}) check_writable(options.output / name);
   Progress progress;
   Report report;
-  for_each_scene(options, progress,
-                 [&](const Scene& scene) { report.truths = TruthRun(options, scene, progress).results(); });
+  for_each_scene(options, progress, [&](const Scene& scene) {
+    progress.clear();
+    fmt::print("{}", scene_heading(summarize(scene)));
+    report.truths = TruthRun(options, scene, progress).results();
+  });
   write_records(options, report);
 }
 
