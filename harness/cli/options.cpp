@@ -85,8 +85,7 @@ void add_bench(CLI::App& app, Arguments& a) {
                   "them, builds with the largest")
       ->delimiter(',')
       ->default_str("all cores");
-  bench.add_option("--repeats", a.options.repeats, "Times that each ray set is traced")
-      ->capture_default_str();
+  bench.add_option("--repeats", a.options.repeats, "How often each ray set is traced")->capture_default_str();
   bench
       .add_option("--build-budget", a.options.build_budget_s,
                   "Seconds within which a structure is built again, for the median; 0: built once")
@@ -95,7 +94,7 @@ void add_bench(CLI::App& app, Arguments& a) {
 
 void add_error(CLI::App& app, Arguments& a) {
   CLI::App& error =
-      add_scene_command(app, a, "error", "Hold what each structure answers against brute force in double");
+      add_scene_command(app, a, "error", "Compare what each structure answers with an exact oracle");
   add_trace_options(error, a, kDefaultErrorRays);
   add_threads_option(error, a);
 }
@@ -106,7 +105,7 @@ std::string names_of(std::span<const std::string_view> structures) {
 
 void add_hard(CLI::App& app, Arguments& a) {
   CLI::App& hard = *app.add_subcommand(
-      "hard", "Hold what each structure answers to the catalogue of hard cases against the oracle");
+      "hard", "Compare what each structure answers to the catalogue of hard cases with the oracle");
   add_common_options(hard, a, names_of(kHardStructures));
   add_tables_option(hard, a);
   add_threads_option(hard, a);
@@ -207,12 +206,12 @@ void add_truth_and_report(CLI::App& app, Arguments& a) {
   add_truth_options(
       add_scene_command(
           app, a, "truth",
-          "Motion blur against the mean of renderings at frozen times; the scene is wheels if none is named"),
+          "Compare motion blur with the mean of renderings at frozen times; the default scene is wheels"),
       a);
   add_report_options(
       add_scene_command(
           app, a, "report",
-          "One page of it all, which needs nothing else: figures, charts, pictures, how to make them again"),
+          "One page of everything in one file: figures, charts, pictures, how to make them again"),
       a);
 }
 
@@ -225,7 +224,7 @@ std::string joined(int argc, const char* const* argv) {
 
 void add_compare(CLI::App& app, Arguments& a) {
   CLI::App& compare = *app.add_subcommand(
-      "compare", "Hold a picture against a reference: RMSE, relative MSE, FLIP, the worst pixels");
+      "compare", "Compare a picture with a reference: RMSE, relative MSE, FLIP, the worst pixels");
   compare.add_option("picture", a.options.picture, "OpenEXR file with R, G and B")->required();
   compare.add_option("reference", a.options.reference, "OpenEXR file of the same size")->required();
   compare.add_option("--png", a.difference_png,
@@ -249,11 +248,13 @@ bool parse_command_line(CLI::App& app, int argc, const char* const* argv) {
 std::optional<Options> parse_options(int argc, const char* const* argv) {
   Arguments a;
   a.options.threads = usable_core_count();
-  CLI::App app("Our STBVH against Embree's own tree and LBVHs: speed, memory, and error against an oracle.",
-               "stbvh-ab");
+  CLI::App app(
+      "Compares our STBVH with Embree's own trees and LBVHs: speed, memory, and errors against an exact "
+      "oracle.",
+      "stbvh-ab");
   app.set_version_flag("--version", built_commit());
   app.require_subcommand(1);
-  app.add_subcommand("list", "Names of scenes, structures and kinds of rays");
+  app.add_subcommand("list", "Names of scenes, structures, kinds of rays and families of hard cases");
   add_bench(app, a);
   add_error(app, a);
   add_hard(app, a);

@@ -22,8 +22,8 @@ void add_report_options(CLI::App& command, Arguments& a) {
   command.add_option("-o,--output", a.output, "Folder for the page; made if it is not there")->required();
   command.add_option(
       "--from", a.from,
-      "Folder of an earlier report, or of record files (bench.json, error.json, ...): what is there "
-      "is not measured again");
+      "Folder of an earlier report, or of record files (bench.json, error.json, ...): its parts are not "
+      "measured again");
   command.add_flag("--quick", a.options.quick, "Fewer rays, samples and frozen times");
   command.add_option("--threads", a.options.threads, "Threads")->default_str("all cores");
 }

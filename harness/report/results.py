@@ -64,10 +64,10 @@ def machine_table(machines):
     return Table(["machine", "cores", "GB", "our instruction set", "Embree", "commit", "scenes"], rows)
 
 
-def speed_columns(machines, key, text, threads_of=Machine.threads):
+def speed_columns(machines, key, text):
     """`text` of the records of each machine and thread count, for the kinds of rays `key`."""
     for machine in machines:
-        for threads in threads_of(machine):
+        for threads in machine.threads():
             found = {r["structure"]: text(r) for r in machine.speeds if r["rays"] == key and r["threads"] == threads}
             yield f'{machine.name}, {threads} thread{"s" if threads > 1 else ""}', found
 
@@ -82,13 +82,12 @@ def speed_sections(machines):
                      "Geometric mean over the scenes; in brackets its least and largest in a repeat."),
         side_by_side(list(speed_columns(machines, joint, lambda r: f'{r["worst_ratio"]:.2f} {r["worst_scene"]}')),
                      "The scene in which each is slowest.")])
-    most = lambda machine: machine.threads()[-1:]  # noqa: E731
-    columns = []
-    for rays in distinct(r["rays"] for m in machines for r in m.speeds if r["rays"] != joint):
-        columns += [(f"{rays}: {heading}", cells)
-                    for heading, cells in speed_columns(machines, rays, lambda r: f'{r["mean_ratio"]:.2f}', most)]
+    kinds = [k for k in distinct(r["rays"] for m in machines for r in m.speeds) if k != joint and "occluded" not in k]
+    columns = [(f"{rays}: {m.name}", {r["structure"]: f'{r["mean_ratio"]:.2f}' for r in m.speeds
+                                      if r["rays"] == rays and r["threads"] == m.threads()[-1]})
+               for rays in kinds for m in machines if m.speeds]
     if columns:
-        yield Section("kinds", "Speed by kind of rays", [side_by_side(columns, "")])
+        yield Section("kinds", "Speed by kind of rays", [side_by_side(columns, "With the most threads.")])
 
 
 def build_sections(machines):

@@ -164,7 +164,8 @@ TEST(Screen, HasALineForEachStructure) {
             "stbvh                     4.00  4.00 (2.00-6.00)  2.50 a                  1.00   2.00");
   report.builds.pop_back();
   report.speeds.pop_back();
-  EXPECT_NE(line_of(summary_screen(summarize_scenes(report)), "stbvh").find("(1 of 2 scenes)"), std::string::npos);
+  EXPECT_NE(line_of(summary_screen(summarize_scenes(report)), "stbvh").find("(1 of 2 scenes)"),
+            std::string::npos);
   EXPECT_EQ(summary_screen({}), "");
 }
 
@@ -174,7 +175,7 @@ TEST(Screen, CountsWrongAnswersOverAllScenes) {
       .scene = "b", .structure = "lbvh", .rays = "shadow", .traced = 200, .missed = 3, .false_hits = 1};
   a.distance.relative.p99 = 0.25;
   const std::string line = line_of(error_screen({a, b}), "lbvh");
-  EXPECT_EQ(line, "lbvh                       300             5             1    0 (<1.0e-02)   2.5e-01");
+  EXPECT_EQ(line, "lbvh                       300             5             1  0 (<1.0e-02)   2.5e-01");
   EXPECT_EQ(error_screen({}), "");
 }
 
@@ -186,9 +187,9 @@ TEST(Screen, NamesTheWorstFamilyOfHardCases) {
   const std::string screen = hard_screen({closed, needles, ours});
   EXPECT_EQ(
       line_of(screen, "embree"),
-      "embree                      200        5 (10 %)        10 (5 %)       1 (0.5 %)  needles: 6 of 150");
+      "embree                     200        5 (10 %)        10 (5 %)       1 (0.5 %)  needles: 6 of 150");
   EXPECT_EQ(line_of(screen, "stbvh"),
-            "stbvh                        50               0               0               0  -");
+            "stbvh                       50               0               0               0  -");
   EXPECT_EQ(hard_screen({}), "");
 }
 
