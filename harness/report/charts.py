@@ -12,7 +12,7 @@ import math
 import os
 import re
 
-from chart_tools import finish, plt, save, styles, whiskers
+from chart_tools import finish, log_scale, plt, save, styles, whiskers
 from record_files import check_distinct, distinct, fail, grouped, make_folder, read_records, run
 
 REFERENCE = "embree"
@@ -180,7 +180,7 @@ def draw_scaling(records):
         axes.set_xticks(values, [f"{v:g}" if v < 1e4 else f"{v / 1e6:g} M" for v in values])
         axes.minorticks_off()
         if is_log:
-            axes.set_yscale("log")
+            log_scale(axes)
         else:
             axes.set_ylim(bottom=0)
         axes.set_xlabel(over if over != "steps" else "steps of each moving mesh")
@@ -201,6 +201,7 @@ def draw_truth(records):
     axes.loglog(samples, [r["rmse"] for r in shown], "o-", color="#d55e00", label=shown[0]["structure"])
     axes.loglog(samples, [shown[0]["rmse"] * (samples[0] / n) ** 0.5 for n in samples], ":", color="black",
                 linewidth=0.8, label="one over the root of the samples")
+    log_scale(axes)
     axes.set_xticks(samples, samples)
     axes.minorticks_off()
     axes.set_xlabel("samples per pixel")
