@@ -109,6 +109,7 @@ void run_truth(const Options& options) {
   for_each_scene(options, progress, [&](const Scene& scene) {
     progress.clear();
     fmt::print("{}", scene_heading(summarize(scene)));
+    std::fflush(stdout);
     report.truths = TruthRun(options, scene, progress).results();
   });
   write_records(options, report);
