@@ -35,8 +35,8 @@ std::string summary_block(const Summaries& speeds, const Summaries& builds, std:
   kinds.resize(std::min(kinds.size() - (is_joint ? 1 : 0), kMostKinds));
   std::string text = fmt::format("{:<21}", "structure");
   for (const std::string& kind : kinds) text += fmt::format("{:>9}", kind);
-  text += fmt::format("{:>18}  {:<21}{:>7}{:>7}\n", is_joint ? "all (spread)" : all + " (spread)", "worst scene",
-                      "bytes", "build");
+  text += fmt::format("{:>18}  {:<21}{:>7}{:>7}\n", is_joint ? "all (spread)" : all + " (spread)",
+                      "worst scene", "bytes", "build");
   for (const std::string& structure : distinct(speeds, &SummaryResult::structure)) {
     text += fmt::format("{:<21}", structure);
     for (const std::string& kind : kinds)
@@ -76,13 +76,15 @@ std::string summary_screen(const std::vector<SummaryResult>& results) {
                  [&](const SummaryResult& r) { return r.threads == threads; });
     std::size_t scenes = 0;
     for (const SummaryResult& r : chosen) scenes = std::max(scenes, r.scenes);
-    text += fmt::format("\nspeed, bytes and build time of {} = 1: geometric means over {} scenes, {} threads\n",
-                        kReference, scenes, threads);
+    text +=
+        fmt::format("\nspeed, bytes and build time of {} = 1: geometric means over {} scenes, {} threads\n",
+                    kReference, scenes, threads);
     text += summary_block(chosen, builds, scenes);
   }
   if (!text.empty()) {
-    text += "speed: more is faster; bytes and build time: less is better; all: bounce, uniform and shadow rays; "
-            "spread: of the mean, in the repeats.\n";
+    text +=
+        "speed: more is faster; bytes and build time: less is better; all: bounce, uniform and shadow rays; "
+        "spread: of the mean, in the repeats.\n";
   }
   return text;
 }
@@ -108,15 +110,17 @@ std::string error_screen(const std::vector<ErrorResult>& results) {
                         bad_count(sum.missed, sum.traced), bad_count(sum.false_hits, sum.traced),
                         bad_count(sum.wrong_primitive, sum.traced), t_error);
   }
-  return text + "(<x): the rate is below x with 95 % confidence; t error: largest 99th percentile, relative.\n";
+  return text +
+         "(<x): the rate is below x with 95 % confidence; t error: largest 99th percentile, relative.\n";
 }
 
 std::string hard_screen(const std::vector<HardResult>& results) {
   if (results.empty()) return "";
-  std::string text = fmt::format("\nhard cases, {} families: answers that are wrong beyond rounding\n"
-                                 "{:<21}{:>9}{:>16}{:>16}{:>16}  {}\n",
-                                 distinct(results, &HardResult::family).size(), "structure", "rays", "leaks",
-                                 "closest hit", "any hit", "worst family");
+  std::string text = fmt::format(
+      "\nhard cases, {} families: answers that are wrong beyond rounding\n"
+      "{:<21}{:>9}{:>16}{:>16}{:>16}  {}\n",
+      distinct(results, &HardResult::family).size(), "structure", "rays", "leaks", "closest hit", "any hit",
+      "worst family");
   for (const std::string& structure : distinct(results, &HardResult::structure)) {
     std::size_t traced = 0, aimed = 0, leaks = 0, closest = 0, any = 0, most = 0;
     std::string worst = "-";
