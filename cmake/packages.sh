@@ -20,14 +20,39 @@ ensure_packages() {
     fi
   done
   [ ${#missing[@]} -gt 0 ] || return 0
-  echo "installing ${missing[*]}" >&2
   local as_root=()
   if [ "$(id -u)" -ne 0 ]; then
     command -v sudo >/dev/null || { echo "neither root nor sudo: please install ${missing[*]}" >&2; return 1; }
     as_root=(sudo)
   fi
-  "${as_root[@]}" apt-get update -q
-  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -q -y --no-install-recommends "${missing[@]}"
+  quietly "asking for packages" "${as_root[@]}" apt-get update
+  quietly "installing ${missing[*]}" \
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "${missing[@]}"
+}
+
+# quietly WHAT COMMAND...: runs it and says so in one line, which on a terminal shows its last line. All that the command
+# printed follows if it fails.
+quietly() {
+  local what=$1 log status=0
+  shift
+  log=$(mktemp)
+  if [ -t 2 ]; then
+    "$@" 2>&1 </dev/null | tee "$log" | one_line "$what" || status=$?
+  else
+    echo "$what" >&2
+    "$@" >"$log" 2>&1 </dev/null || status=$?
+  fi
+  [ "$status" -eq 0 ] || cat "$log" >&2
+  rm -f "$log"
+  return "$status"
+}
+
+# one_line WHAT: shows each line of standard input over the one before.
+one_line() {
+  local width line
+  width=$(tput cols 2>/dev/null || echo 80)
+  while IFS= read -r line; do printf '\r\e[K%.*s' "$((width - 1))" "$1: $line" >&2; done
+  printf '\r\e[K' >&2
 }
 
 # build_preset PRESET TARGET...: configures the preset (build/PRESET below the current folder) and builds the targets.

@@ -38,10 +38,33 @@ void run_charts(const ChartOptions& options) {
   run_script("charts.py", arguments);
 }
 
+struct ResultsOptions {
+  std::vector<std::string> record_files;
+  std::string output;
+};
+
+void add_options(CLI::App& app, ResultsOptions& o) {
+  app.add_option("records", o.record_files, "Files that bench, error and hard wrote with --json")->required();
+  app.add_option("-o,--output", o.output,
+                 "Markdown file; where it has the markers of an earlier page, only what is between them is "
+                 "replaced")
+      ->required();
+}
+
+void run_results(const ResultsOptions& options) {
+  std::vector<std::string> arguments{"--output=" + options.output, "--"};
+  arguments.insert(arguments.end(), options.record_files.begin(), options.record_files.end());
+  run_script("results.py", arguments);
+}
+
 }  // namespace
 
 Work charts_command(CLI::App& app) {
   return make_work(app, run_charts);
+}
+
+Work results_command(CLI::App& app) {
+  return make_work(app, run_results);
 }
 
 }  // namespace stbvh::harness

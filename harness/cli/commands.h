@@ -36,6 +36,8 @@ Work pareto_command(CLI::App& app);
 Work scaling_command(CLI::App& app);
 /// Draws the records of bench and scaling; prints the files' names. Throws ScriptFailure.
 Work charts_command(CLI::App& app);
+/// Writes a page of the records of several machines. Throws ScriptFailure.
+Work results_command(CLI::App& app);
 /// Writes an OpenEXR file for each scene and structure. Throws Interrupted after the part that was finished
 /// at SIGINT has been written.
 Work render_command(CLI::App& app);

@@ -2,7 +2,6 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cstdio>
 
 #include "harness/cli/commands.h"
 #include "harness/cli/distance_figures.h"
@@ -13,6 +12,7 @@
 #include "harness/program/scene_options.h"
 #include "harness/program/session.h"
 #include "harness/program/trace.h"
+#include "harness/report/screen.h"
 #include "harness/report/table.h"
 
 namespace stbvh::harness {
@@ -30,6 +30,7 @@ void add_options(CLI::App& app, ErrorOptions& o) {
   add_scene_options(app, o);
   add_structures_option(app, o.structures);
   add_json_option(app, o);
+  add_tables_option(app, o);
   add_rays_option(app, o.rays);
   add_count_option(app, o.count);
   add_threads_option(app, o.threads, kPinnedThreads);
@@ -79,8 +80,9 @@ std::string describe(const std::string& structure, const JudgedRays& set, const 
       describe_hit(exact.is_hit, any, exact.t, exact.geom_id, exact.prim_id), exact.edge_distance_ulps);
 }
 
-void run_scene(const Scene& scene, const ErrorOptions& options, PinnedThreads& threads, Progress& progress,
-               Report& report) {
+/// Adds the figures of one scene to `report`; returns their tables.
+std::string run_scene(const Scene& scene, const ErrorOptions& options, PinnedThreads& threads,
+                      Progress& progress, Report& report) {
   const std::vector<std::string> names = structures_that_fit(options.structures, scene, "");
   std::vector<JudgedRays> sets;
   for (RaySet& rays : make_ray_sets(scene, options, options.seed, options.threads, progress))
@@ -107,18 +109,19 @@ void run_scene(const Scene& scene, const ErrorOptions& options, PinnedThreads& t
       }
     }
   }
-  progress.clear();
-  fmt::print("{}{}{}", error_table(results), distance_table(results), differences);
   report.errors.insert(report.errors.end(), results.begin(), results.end());
+  return scene_heading(summarize(scene)) + error_table(results) + distance_table(results) + differences;
 }
 
 void run_error(const ErrorOptions& options) {
   Progress progress;
   Report report;
   PinnedThreads threads(options.threads);
+  std::string tables;
   for_each_scene(options, progress,
-                 [&](const Scene& scene) { run_scene(scene, options, threads, progress, report); });
-  write_records(options, report);
+                 [&](const Scene& scene) { tables += run_scene(scene, options, threads, progress, report); });
+  progress.clear();
+  write_results(options, report, options.scenes.size(), error_screen(report.errors), tables);
   require_right_answers(report.errors);
 }
 

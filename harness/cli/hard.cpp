@@ -3,7 +3,6 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cstdint>
-#include <cstdio>
 #include <string_view>
 
 #include "harness/cli/commands.h"
@@ -14,8 +13,8 @@
 #include "harness/program/pinned_threads.h"
 #include "harness/program/session.h"
 #include "harness/report/machine.h"
+#include "harness/report/screen.h"
 #include "harness/report/table.h"
-#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 namespace {
@@ -37,6 +36,7 @@ struct HardOptions : RecordOptions {
 void add_options(CLI::App& app, HardOptions& o) {
   add_structures_option(app, o.structures, kStructures);
   add_json_option(app, o);
+  add_tables_option(app, o);
   add_threads_option(app, o.threads, kPinnedThreads);
   const auto choose = [&o](const std::vector<std::string>& asked) {
     std::vector<std::string_view> known;
@@ -53,22 +53,24 @@ void add_options(CLI::App& app, HardOptions& o) {
 }
 
 void run_hard(const HardOptions& options) {
-  if (options.json) check_writable(*options.json);
+  check_outputs(options);
   Progress progress;
   Report report;
   PinnedThreads threads(options.threads);
-  fmt::print("{}{}", machine_line(this_machine(), built_commit()), hard_heading());
+  fmt::print("{}", machine_line(this_machine(), built_commit()));
+  std::string tables = hard_heading();
+  std::string examples;
   for (const std::string& name : options.families) {
     const FamilyResults family = run_family(*find_hard_family(name), options.count, options.seed,
                                             options.structures, threads, progress);
-    progress.clear();
-    for (const HardResult& result : family.results) fmt::print("{}", hard_row(result));
-    fmt::print("{}", family.examples);
-    std::fflush(stdout);
+    for (const HardResult& result : family.results) tables += hard_row(result);
+    tables += family.examples;
+    examples += family.examples;
     report.hards.insert(report.hards.end(), family.results.begin(), family.results.end());
   }
-  fmt::print("{}", hard_legend());
-  write_records(options, report);
+  progress.clear();
+  tables += hard_legend();
+  write_results(options, report, options.families.size(), hard_screen(report.hards) + examples, tables);
   require_right_answers(std::span<const HardResult>(report.hards));
 }
 

@@ -5,7 +5,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <filesystem>
 #include <iterator>
 #include <optional>
@@ -18,8 +17,9 @@
 #include "harness/program/script.h"
 #include "harness/program/session.h"
 #include "harness/program/usage_error.h"
-#include "harness/report/machine.h"
+#include "harness/report/read_records.h"
 #include "harness/report/table.h"
+#include "harness/structures/structure_under_test.h"
 #include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
@@ -35,6 +35,7 @@ struct ParetoOptions : SessionOptions {
   unsigned threads = 1;
   std::size_t count = 100'000;  ///< rays of each family of hard cases
   std::size_t repeats = 7;
+  std::vector<std::string> record_files;      ///< not empty: nothing is measured
   std::optional<std::filesystem::path> plot;  ///< made from the records
 };
 
@@ -42,9 +43,14 @@ void add_options(CLI::App& app, ParetoOptions& o) {
   add_scene_options(app, o);
   add_structures_option(app, o.structures, kStructures);
   add_json_option(app, o);
+  add_tables_option(app, o);
   add_threads_option(app, o.threads, kPinnedThreads);
   add_count_option(app, o.count, "Rays of each family of hard cases");
   add_repeats_option(app, o.repeats);
+  app.add_option(
+         "--from", o.record_files,
+         "Files of bench and hard with speeds and hard cases, separated by commas: nothing is measured")
+      ->delimiter(',');
   app.add_option_function<std::string>(
       "--plot", [&o](const std::string& file) { o.plot = file; },
       "PNG file for the plot; needs --json and python3-matplotlib");
@@ -103,12 +109,6 @@ Spread speed_ratio(std::span<const SpeedResult> speeds, const std::string& struc
 
 }  // namespace
 
-std::vector<std::string> pareto_families() {
-  std::vector<std::string> names;
-  for (const ParetoFamily& family : kFamilies) names.emplace_back(family.name);
-  return names;
-}
-
 std::vector<ParetoResult> pareto_points(std::span<const std::string> structures,
                                         std::span<const SpeedResult> speeds,
                                         std::span<const HardResult> hards) {
@@ -125,13 +125,9 @@ std::vector<ParetoResult> pareto_points(std::span<const std::string> structures,
 
 namespace {
 
-void run_pareto(const ParetoOptions& options) {
-  if (options.plot) {
-    if (!options.json) throw UsageError("--plot needs --json: the plot is made from the records.");
-    check_writable(*options.plot);
-  }
+/// Speeds and hard cases of `options`; returns their tables.
+std::string measure(const ParetoOptions& options, Report& report) {
   Progress progress;
-  Report report;
   BenchOptions speed;
   static_cast<SessionOptions&>(speed) = options;
   speed.structures = options.structures;
@@ -140,21 +136,63 @@ void run_pareto(const ParetoOptions& options) {
   speed.thread_counts = {options.threads};
   speed.repeats = options.repeats;
   speed.build_budget_s = 0;
-  for_each_scene(speed, progress, [&](const Scene& scene) { bench_scene(scene, speed, progress, report); });
-  progress.clear();
-  fmt::print("\n{}", hard_heading());
+  std::string tables;
+  for_each_scene(speed, progress,
+                 [&](const Scene& scene) { tables += bench_scene(scene, speed, progress, report); });
+  tables += fmt::format("\n{}", hard_heading());
   PinnedThreads threads(options.threads);
   for (const ParetoFamily& asked : kFamilies) {
     const FamilyResults family = run_family(*find_hard_family(asked.name), options.count, options.seed,
                                             options.structures, threads, progress);
-    progress.clear();
-    for (const HardResult& result : family.results) fmt::print("{}", hard_row(result));
-    std::fflush(stdout);
+    for (const HardResult& result : family.results) tables += hard_row(result);
     report.hards.insert(report.hards.end(), family.results.begin(), family.results.end());
   }
-  report.paretos = pareto_points(options.structures, report.speeds, report.hards);
-  fmt::print("{}\n{}", hard_legend(), pareto_table(report.paretos));
-  write_records(options, report);
+  return tables + hard_legend() + "\n";
+}
+
+Report read_all(const std::vector<std::string>& files) {
+  Report all;
+  for (const std::string& file : files) {
+    const Report read = read_speeds_and_hards(file);
+    all.speeds.insert(all.speeds.end(), read.speeds.begin(), read.speeds.end());
+    all.hards.insert(all.hards.end(), read.hards.begin(), read.hards.end());
+  }
+  return all;
+}
+
+/// Of `asked`, or of all structures where that is what is measured by default, those that there are speeds
+/// and hard cases of.
+std::vector<std::string> those_in(const Report& report, const std::vector<std::string>& asked) {
+  const bool is_default = std::equal(asked.begin(), asked.end(), kStructures.begin(), kStructures.end());
+  std::vector<std::string> found;
+  for (const std::string& name :
+       chosen_names("structure", is_default ? std::vector<std::string>{} : asked, structure_names())) {
+    const auto has = [&](const auto& r) { return r.structure == name; };
+    if (std::any_of(report.speeds.begin(), report.speeds.end(), has) &&
+        std::any_of(report.hards.begin(), report.hards.end(), has))
+      found.push_back(name);
+  }
+  return found;
+}
+
+void run_pareto(const ParetoOptions& options) {
+  if (options.plot) {
+    if (!options.json) throw UsageError("--plot needs --json: the plot is made from the records.");
+    check_writable(*options.plot);
+  }
+  Report report;
+  std::string tables;
+  if (options.record_files.empty()) {
+    tables = measure(options, report);
+    report.paretos = pareto_points(options.structures, report.speeds, report.hards);
+  } else {
+    const Report read = read_all(options.record_files);
+    report.paretos = pareto_points(those_in(read, options.structures), read.speeds, read.hards);
+    if (report.paretos.empty())
+      throw UsageError("--from: no structure has both speeds and hard cases in these files.");
+  }
+  const std::string points = pareto_table(report.paretos);
+  write_results(options, report, std::size(kFamilies), points, tables + points);
   if (options.plot) run_script("plot_pareto.py", {options.json->string(), options.plot->string()});
 }
 

@@ -9,11 +9,9 @@
 
 namespace stbvh::harness {
 
-/// Names of the families of hard cases that errors are taken from.
-std::vector<std::string> pareto_families();
-
 /// A point for each of `structures`: speed from its bounce and uniform rays with the most threads, errors
-/// from pareto_families() among `hards`. 0 where there is nothing to take from.
+/// from the families of hard cases that say something of them, among `hards`. 0 where there is nothing to
+/// take from.
 std::vector<ParetoResult> pareto_points(std::span<const std::string> structures,
                                         std::span<const SpeedResult> speeds,
                                         std::span<const HardResult> hards);

@@ -8,6 +8,7 @@
 
 #include "harness/cli/commands.h"
 #include "harness/cli/render_options.h"
+#include "harness/cli/report_pictures.h"
 #include "harness/images/exr_file.h"
 #include "harness/images/png_file.h"
 #include "harness/images/tone_map.h"
@@ -149,15 +150,23 @@ void run_render(const RenderOptions& options) {
   std::optional<Environment> environment;
   if (!options.environment.empty()) environment = read_environment(options.environment);
   const Outputs outputs(options, sources);
+  check_outputs(options);
+  Report report;
   Progress progress;
   for (const SceneSource& source : sources) {
     progress.stage(fmt::format("{}: making the scene", source.name));
     Scene scene = source.load();
     if (environment) scene.environment = environment;
+    std::vector<RenderFile> files;
     for (const std::string& structure : structures_that_fit(options.structures, scene, "")) {
-      make_picture(options, scene, structure, outputs.file(source.name, structure), progress);
+      files.push_back({source.name, structure, outputs.file(source.name, structure)});
+      make_picture(options, scene, structure, files.back().path, progress);
     }
+    if (!options.json || files.empty()) continue;
+    const std::vector<RenderResult> shown = show_renderings(files, files.front().path.parent_path());
+    report.renders.insert(report.renders.end(), shown.begin(), shown.end());
   }
+  write_records(options, report);
 }
 
 }  // namespace

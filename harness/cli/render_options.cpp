@@ -78,6 +78,9 @@ void add_options(CLI::App& app, RenderOptions& o) {
                  "OpenEXR file; for several scenes or structures a folder of SCENE-STRUCTURE.exr")
       ->required();
   app.add_flag("--png", o.png, "Beside each OpenEXR file a PNG to look at");
+  add_json_option(app, o,
+                  "File for the records; beside the OpenEXR files SCENE-STRUCTURE*.png of each picture, its "
+                  "difference from that of stbvh-direct, and what camera rays meet");
   add_size_option(app, o.settings);
   add_samples_option(app, o.settings, "Samples for each pixel");
   add_threads_option(app, o.settings.threads);

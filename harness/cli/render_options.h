@@ -8,6 +8,7 @@
 #include "harness/path_tracer/render_settings.h"
 #include "harness/program/options.h"
 #include "harness/program/scene_options.h"
+#include "harness/program/session.h"
 
 namespace stbvh::harness {
 
@@ -17,7 +18,7 @@ struct CameraOptions {
   std::optional<float> fov_degrees;
 };
 
-struct RenderOptions : SceneOptions {
+struct RenderOptions : SessionOptions {
   std::vector<std::string> structures;
   std::string output;  ///< a file, or a folder
   bool png = false;

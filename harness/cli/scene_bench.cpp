@@ -183,6 +183,7 @@ void add_options(CLI::App& app, BenchOptions& o) {
   add_scene_options(app, o);
   add_structures_option(app, o.structures);
   add_json_option(app, o);
+  add_tables_option(app, o);
   add_rays_option(app, o.rays);
   add_count_option(app, o.count);
   app.add_option_function<std::vector<unsigned>>(
@@ -211,19 +212,19 @@ SceneFigures measure_scene(const Scene& scene, const std::vector<std::string>& n
   return SceneBench(scene, options, seed, progress).run(names);
 }
 
-void bench_scene(const Scene& scene, const BenchOptions& options, Progress& progress, Report& report) {
+std::string bench_scene(const Scene& scene, const BenchOptions& options, Progress& progress, Report& report) {
   const SceneFigures figures =
       measure_scene(scene, with_reference(options.structures), options, options.seed, progress);
-  progress.clear();
-  fmt::print("{}", build_table(figures.builds));
+  std::string tables = scene_heading(summarize(scene)) + build_table(figures.builds);
   for (unsigned count : options.thread_counts) {
     std::vector<SpeedResult> speeds;
     std::copy_if(figures.speeds.begin(), figures.speeds.end(), std::back_inserter(speeds),
                  [&](const SpeedResult& r) { return r.threads == count; });
-    fmt::print("\n{}", speed_table(speeds));
+    tables += fmt::format("\n{}", speed_table(speeds));
   }
   report.builds.insert(report.builds.end(), figures.builds.begin(), figures.builds.end());
   report.speeds.insert(report.speeds.end(), figures.speeds.begin(), figures.speeds.end());
+  return tables;
 }
 
 }  // namespace stbvh::harness

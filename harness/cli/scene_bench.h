@@ -51,7 +51,7 @@ SceneFigures measure_scene(const Scene& scene, const std::vector<std::string>& n
                            const SpeedOptions& options, std::uint64_t seed, Progress& progress);
 
 /// Builds the structures of `options`, and embree, over `scene`, traces the same rays with all of them in
-/// turn (with each of its thread counts), prints the tables and adds their rows to `report`.
-void bench_scene(const Scene& scene, const BenchOptions& options, Progress& progress, Report& report);
+/// turn (with each of its thread counts) and adds the figures to `report`. Returns their tables.
+std::string bench_scene(const Scene& scene, const BenchOptions& options, Progress& progress, Report& report);
 
 }  // namespace stbvh::harness

@@ -136,8 +136,12 @@ void run_truth(const TruthOptions& asked) {
     check_writable(std::filesystem::path(options.output) / name);
   Progress progress;
   Report report;
-  for_each_scene(options, progress,
-                 [&](const Scene& scene) { report.truths = TruthRun(options, scene, progress).results(); });
+  for_each_scene(options, progress, [&](const Scene& scene) {
+    progress.clear();
+    fmt::print("{}", scene_heading(summarize(scene)));
+    std::fflush(stdout);
+    report.truths = TruthRun(options, scene, progress).results();
+  });
   write_records(options, report);
 }
 

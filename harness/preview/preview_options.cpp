@@ -68,7 +68,9 @@ void add_options(CLI::App& app, PreviewOptions& o, RenderSettings& window) {
 
 std::optional<PreviewOptions> parse_preview_options(int argc, const char* const* argv) {
   PreviewOptions options;
-  RenderSettings window{.width = options.width, .height = options.height};
+  RenderSettings window;
+  window.width = options.width;
+  window.height = options.height;
   CLI::App app("Scenes in a window, path-traced through our STBVH and others while you look.",
                "stbvh-preview");
   app.set_version_flag("--version", version_text("stbvh-preview"));

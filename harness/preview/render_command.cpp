@@ -22,7 +22,7 @@ std::string render_command(const MakingOptions& options, const std::string& scen
   std::string text =
       fmt::format("stbvh-ab render --scenes {} --structures {}", shell_word(scene), structures[0]);
   if (is_pair) text += "," + structures[1];
-  for (const std::string& word : options.scene_words) text += " " + shell_word(word);
+  for (const std::string& word : options.scene_words) text += fmt::format(" {}", shell_word(word));
   text +=
       fmt::format(" --size {}x{} --spp {} --shutter-open {} --shutter-close {}", settings.width,
                   settings.height, settings.samples_per_pixel, settings.shutter.open, settings.shutter.close);
@@ -34,7 +34,7 @@ std::string render_command(const MakingOptions& options, const std::string& scen
   }
   if (settings.lens.radius > 0) text += fmt::format(" --lens-radius {}", settings.lens.radius);
   const std::string stem = std::filesystem::path(scene).stem().string();
-  return text + " -o " + shell_word(is_pair ? stem + "-pictures" : stem + ".exr");
+  return text + fmt::format(" -o {}", shell_word(is_pair ? stem + "-pictures" : stem + ".exr"));
 }
 
 }  // namespace stbvh::harness

@@ -149,11 +149,24 @@ void add_threads_option(CLI::App& app, std::optional<unsigned>& threads, const c
   take_threads(app, threads, description);
 }
 
-void add_json_option(CLI::App& app, RecordOptions& records, const char* description) {
-  const auto take = [&records](const std::string& file) {
-    if (!file.empty()) records.json = file;
+namespace {
+
+void add_file_option(CLI::App& app, const char* name, std::optional<std::filesystem::path>& path,
+                     const char* description) {
+  const auto take = [&path](const std::string& file) {
+    if (!file.empty()) path = file;
   };
-  app.add_option_function<std::string>("--json", take, description);
+  app.add_option_function<std::string>(name, take, description);
+}
+
+}  // namespace
+
+void add_json_option(CLI::App& app, RecordOptions& records, const char* description) {
+  add_file_option(app, "--json", records.json, description);
+}
+
+void add_tables_option(CLI::App& app, RecordOptions& records) {
+  add_file_option(app, "--tables", records.tables, "File for all tables, of which the screen has a summary");
 }
 
 void add_rays_option(CLI::App& app, std::vector<RayKind>& rays) {

@@ -28,7 +28,8 @@ bool parse_command_line(CLI::App& app, int argc, const char* const* argv);
 /// Where a command writes what it found.
 struct RecordOptions {
   std::optional<std::filesystem::path> json;
-  std::string command_line;  ///< that the options were read from
+  std::optional<std::filesystem::path> tables;  ///< file for what does not fit on a screen
+  std::string command_line;                     ///< that the options were read from
 };
 
 /// What is traced.
@@ -70,6 +71,9 @@ void add_threads_option(CLI::App& app, unsigned& threads, const char* descriptio
 void add_threads_option(CLI::App& app, std::optional<unsigned>& threads, const char* description);
 
 void add_json_option(CLI::App& app, RecordOptions& records, const char* description = "File for the records");
+
+/// --tables.
+void add_tables_option(CLI::App& app, RecordOptions& records);
 
 void add_rays_option(CLI::App& app, std::vector<RayKind>& rays);
 

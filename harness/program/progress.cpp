@@ -8,7 +8,7 @@
 namespace stbvh::harness {
 namespace {
 
-constexpr std::chrono::seconds kBetweenLines{2};
+constexpr std::chrono::seconds kBetweenLines{120};
 
 }  // namespace
 

@@ -6,7 +6,7 @@
 
 namespace stbvh::harness {
 
-/// On a terminal one line that is written over; otherwise a line for a new stage, at most one in two seconds.
+/// On a terminal one line that is written over; otherwise a line for a new stage, at most one in two minutes.
 class Progress {
  public:
   Progress();

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdio>
-
 #include "harness/rays/ray_generator.h"
 #include "harness/report/json.h"
 #include "harness/report/machine.h"
@@ -54,17 +52,26 @@ std::vector<std::string> structures_that_fit(const std::vector<std::string>& nam
 void for_each_scene(const SessionOptions& options, Progress& progress,
                     const std::function<void(const Scene&)>& work) {
   const std::vector<SceneSource> sources = find_scenes(options);
-  if (options.json) check_writable(*options.json);
+  check_outputs(options);
   fmt::print("{}", machine_line(this_machine(), built_commit()));
   for (const SceneSource& source : sources) {
     progress.stage(fmt::format("{}: making the scene", source.name));
     const Scene scene = source.load();
-    progress.clear();
-    fmt::print("{}", scene_heading(summarize(scene)));
-    std::fflush(stdout);
     work(scene);
-    std::fflush(stdout);
   }
+}
+
+void check_outputs(const RecordOptions& options) {
+  for (const auto& file : {options.json, options.tables}) {
+    if (file) check_writable(*file);
+  }
+}
+
+void write_results(const RecordOptions& options, const Report& report, std::size_t parts,
+                   const std::string& screen, const std::string& tables) {
+  fmt::print("{}", parts == 1 ? tables : screen);
+  if (options.tables) write_file(*options.tables, machine_line(this_machine(), built_commit()) + tables);
+  write_records(options, report);
 }
 
 void write_records(const RecordOptions& options, const Report& report) {

@@ -30,10 +30,18 @@ std::vector<RaySet> make_ray_sets(const Scene& scene, const RayOptions& options,
 std::vector<std::string> structures_that_fit(const std::vector<std::string>& names, const Scene& scene,
                                              std::string_view beside);
 
-/// Runs `work` on each scene of `options` in turn, each heading its own part of the output. Throws
-/// OutputFileError before that if write_records could not write.
+/// Runs `work` on each scene of `options` in turn; before that a line on stdout says what the machine is.
+/// Throws OutputFileError before all if an output file could not be written.
 void for_each_scene(const SessionOptions& options, Progress& progress,
                     const std::function<void(const Scene&)>& work);
+
+/// Throws OutputFileError if write_results could not write.
+void check_outputs(const RecordOptions& options);
+
+/// Prints a screen: `tables` where they are of one thing (`parts`), else `screen`. Writes `tables` and the
+/// records of `report` to their files, if they were asked for. Throws OutputFileError.
+void write_results(const RecordOptions& options, const Report& report, std::size_t parts,
+                   const std::string& screen, const std::string& tables);
 
 /// Writes `report` to the JSON file, if one was asked for. Throws OutputFileError.
 void write_records(const RecordOptions& options, const Report& report);

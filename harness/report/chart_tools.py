@@ -59,6 +59,12 @@ def whiskers(records, key):
     return [[r[key] - r[key + "_min"] for r in records], [r[key + "_max"] - r[key] for r in records]]
 
 
+def log_scale(axes):
+    """A logarithmic y axis whose numbers are plain texts: formulas are not parsed, as names may hold a $."""
+    axes.set_yscale("log")
+    axes.yaxis.set_major_formatter("{x:g}")
+
+
 def finish(figure, records, title, text="", legend_height=0.0):
     """Lays the figure out below its title and above a footer that says where `records` come from, then `text`.
 

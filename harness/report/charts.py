@@ -12,8 +12,8 @@ import math
 import os
 import re
 
-from chart_tools import finish, plt, save, styles, whiskers
-from record_files import distinct, fail, grouped, read_records, run
+from chart_tools import finish, log_scale, plt, save, styles, whiskers
+from record_files import check_distinct, distinct, fail, grouped, make_folder, read_records, run
 
 REFERENCE = "embree"
 KINDS = ("build", "speed", "summary", "scaling", "truth")  # of records that are drawn here
@@ -180,7 +180,7 @@ def draw_scaling(records):
         axes.set_xticks(values, [f"{v:g}" if v < 1e4 else f"{v / 1e6:g} M" for v in values])
         axes.minorticks_off()
         if is_log:
-            axes.set_yscale("log")
+            log_scale(axes)
         else:
             axes.set_ylim(bottom=0)
         axes.set_xlabel(over if over != "steps" else "steps of each moving mesh")
@@ -201,6 +201,7 @@ def draw_truth(records):
     axes.loglog(samples, [r["rmse"] for r in shown], "o-", color="#d55e00", label=shown[0]["structure"])
     axes.loglog(samples, [shown[0]["rmse"] * (samples[0] / n) ** 0.5 for n in samples], ":", color="black",
                 linewidth=0.8, label="one over the root of the samples")
+    log_scale(axes)
     axes.set_xticks(samples, samples)
     axes.minorticks_off()
     axes.set_xlabel("samples per pixel")
@@ -235,21 +236,6 @@ def file_name(name):
     return re.sub(r"[^\w.+-]", "_", name)
 
 
-# What a record is about: no two may agree in all of these.
-IDENTITY = ("kind", "scene", "structure", "reference", "measure", "rays", "threads", "over", "value", "samples_per_pixel")
-
-
-def check_distinct(records):
-    """Ends the script if two records say the same of the same."""
-    seen = set()
-    for r in records:
-        identity = tuple(r.get(key) for key in IDENTITY)
-        if identity in seen:
-            fail("Two of the files have records of the same: " + ", ".join(str(i) for i in identity if i is not None)
-                 + ".")
-        seen.add(identity)
-
-
 def select(records, structures):
     """The records of `structures`, in that order. Ends the script for a name that none has."""
     present = names(records)
@@ -266,10 +252,7 @@ def main():
     parser.add_argument("--structures", help="names, separated by commas, in the order of the bars; default: all")
     parser.add_argument("--format", choices=("svg", "png"), default="svg")
     arguments = parser.parse_args()
-    try:
-        os.makedirs(arguments.output, exist_ok=True)
-    except OSError as error:
-        fail(f'Cannot make the directory "{arguments.output}": {error.strerror}.')
+    make_folder(arguments.output)
     records = [r for r in read_records(arguments.records) if r["kind"] in KINDS]
     check_distinct(records)
     if arguments.structures:

@@ -123,8 +123,7 @@ Json to_record(const ParetoResult& r) {
           {"differing", r.differing},
           {"differing_rate", rate(r.differing, r.thin)},
           {"differing_rate_bound_95", rate_bound_95(r.differing, r.thin)},
-          {"t_error_rel_p99", r.t_error_rel_p99},
-          {"image_rmse", r.image_rmse ? Json(*r.image_rmse) : Json()}};
+          {"t_error_rel_p99", r.t_error_rel_p99}};
 }
 
 Json to_record(const SummaryResult& r) {

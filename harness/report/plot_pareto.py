@@ -6,7 +6,7 @@ Reads the records of kind "pareto" that `stbvh-ab pareto` writes. A rate of zero
 """
 import sys
 
-from chart_tools import COLOURS, family, finish, plt, save
+from chart_tools import COLOURS, family, finish, log_scale, plt, save
 from matplotlib.ticker import NullFormatter
 from record_files import fail, read_records, run
 
@@ -44,7 +44,7 @@ def draw_panel(axes, records, key):
     values = [r[key] or r[key + "_bound_95"] for r in records]
     axes.margins(x=0.06, y=0.12)
     if max(values) > 10 * min(values):
-        axes.set_yscale("log")
+        log_scale(axes)
         axes.yaxis.set_minor_formatter(NullFormatter())
     else:
         axes.set_ylim(0, 1.25 * max(values))

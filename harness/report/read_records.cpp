@@ -129,39 +129,29 @@ HardResult to_hard(const Fields& r) {
   return hard;
 }
 
-/// What `take` makes of the records of a file.
-template <class Take>
-auto of_records(const std::filesystem::path& path, Take take) {
+Report speeds_and_hards(const Json& records) {
+  Report report;
+  for (const Json& record : records) {
+    const Fields fields(record);
+    const std::string kind = fields.text("kind");
+    if (kind == "speed") report.speeds.push_back(to_speed(fields));
+    if (kind == "hard") report.hards.push_back(to_hard(fields));
+  }
+  return report;
+}
+
+}  // namespace
+
+Report read_speeds_and_hards(const std::filesystem::path& path) {
   std::string problem;
   try {
-    return take(records_in(read_whole_file(path, kMaxBytes)));
+    return speeds_and_hards(records_in(read_whole_file(path, kMaxBytes)));
   } catch (const InputFileError& e) {
     problem = e.what();
   } catch (const Problem& e) {
     problem = e.what();
   }
   throw RecordFileError(fmt::format("The file of records \"{}\" {}.", path.string(), problem));
-}
-
-}  // namespace
-
-void check_records(const std::filesystem::path& path) {
-  of_records(path, [](const Json& records) {
-    for (const Json& record : records) Fields(record).text("kind");
-  });
-}
-
-Report read_speeds_and_hards(const std::filesystem::path& path) {
-  return of_records(path, [](const Json& records) {
-    Report report;
-    for (const Json& record : records) {
-      const Fields fields(record);
-      const std::string kind = fields.text("kind");
-      if (kind == "speed") report.speeds.push_back(to_speed(fields));
-      if (kind == "hard") report.hards.push_back(to_hard(fields));
-    }
-    return report;
-  });
 }
 
 }  // namespace stbvh::harness

@@ -14,9 +14,6 @@ struct RecordFileError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Throws RecordFileError if `path` does not hold at least one record.
-void check_records(const std::filesystem::path& path);
-
 /// What speed against error is made of: the records of kind "speed" and "hard"; of speeds the fields that
 /// Report names but hits and the spread of mrays_per_s. Throws RecordFileError.
 Report read_speeds_and_hards(const std::filesystem::path& path);

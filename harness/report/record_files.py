@@ -97,6 +97,8 @@ def read_file(path):
     Ends the script if the file cannot be read, is not what stbvh-ab writes or holds no records.
     """
     report = parsed(path)
+    if isinstance(report, dict) and report.get("records") == []:
+        fail(f'There are no records in "{path}".')
     try:
         machine = report["machine"]
         origin = f'{machine["cpu"]}, {machine["cores"]} cores, Embree {machine["embree"]}, stbvh {report["commit"]}'
@@ -105,8 +107,6 @@ def read_file(path):
             check_record(record, path)
     except (KeyError, TypeError):
         fail(f'"{path}" does not hold records of stbvh-ab.')
-    if not report["records"]:
-        fail(f'There are no records in "{path}".')
     return report
 
 
@@ -142,7 +142,31 @@ def grouped(records, *keys):
     return groups
 
 
+# What a record is about: no two may agree in all of these.
+IDENTITY = ("kind", "scene", "family", "structure", "reference", "measure", "rays", "threads", "over", "value", "samples_per_pixel")
+
+
+def check_distinct(records):
+    """Ends the script if two records say the same of the same."""
+    seen = set()
+    for r in records:
+        identity = tuple(r.get(key) for key in IDENTITY)
+        if identity in seen:
+            fail("Two of the files have records of the same: " + ", ".join(str(i) for i in identity if i is not None)
+                 + ".")
+        seen.add(identity)
+
+
 # --- writing ---
+
+
+def make_folder(path):
+    """Makes a folder, and those above it, if it is not there. Ends the script if it cannot."""
+    try:
+        os.makedirs(path, exist_ok=True)
+    except OSError as error:
+        fail(f'Cannot make the directory "{path}": {error.strerror}.')
+
 
 PARTIAL_NAMES = itertools.count()
 

@@ -124,10 +124,9 @@ struct ParetoResult {
   Spread ratio_to_embree;  ///< geometric mean, least and largest over scenes and kinds of rays
   std::size_t aimed = 0;   ///< rays at vertices and edges of closed moving meshes, from inside
   std::size_t leaks = 0;
-  std::size_t thin = 0;                ///< rays at needles and slivers
-  std::size_t differing = 0;           ///< answered otherwise than exactly, within rounding or not
-  double t_error_rel_p99 = 0;          ///< far from the origin
-  std::optional<double> image_rmse{};  ///< of renderings against an exact structure's; empty: none were made
+  std::size_t thin = 0;        ///< rays at needles and slivers
+  std::size_t differing = 0;   ///< answered otherwise than exactly, within rounding or not
+  double t_error_rel_p99 = 0;  ///< far from the origin
 };
 
 /// A structure at one point of a scaling run.

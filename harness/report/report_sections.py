@@ -88,7 +88,7 @@ def error_card(records, structure):
     if traced:
         proven = f"; below {3 / traced:.1e} with 95 % confidence" if wrong == 0 else ""
         yield Card(number(wrong), "wrong answers",
-                   f"of {number(traced)} rays held against an exact oracle{proven}")
+                   f"of {number(traced)} rays compared with an exact oracle{proven}")
 
 
 def summary_table(records):
@@ -120,7 +120,7 @@ def summary(records, structures):
     main = main_structure(structures)
     cards = list(speed_cards(records, main)) + list(build_cards(records, main)) + list(error_card(records, main))
     blocks = [Text(f"`{main}` is a spatial-temporal BVH for multi-segment motion blur, a user geometry of Embree. Here it "
-                   "is held against Embree's own motion-blur trees and against one linear-motion BVH for each time segment "
+                   "is compared with Embree's own motion-blur trees and with one linear-motion BVH for each time segment "
                    "(`lbvh`), on the same rays.")]
     if cards:
         blocks.append(Cards(cards))
@@ -251,11 +251,18 @@ def hard(records):
               "structure cannot be asked.")])
 
 
+def image_rmse(renders, structure):
+    """Root of the mean square over the scenes; None without renderings. 0 for the reference."""
+    squares = [(r["difference"] or {"rmse": 0})["rmse"] ** 2 for r in renders if r["structure"] == structure]
+    return (sum(squares) / len(squares)) ** 0.5 if squares else None
+
+
 def pareto(records, charts):
     points = [r for r in records if r["kind"] == "pareto"]
+    renders = [r for r in records if r["kind"] == "render"]
     rows = []
     for r in points:
-        image = r.get("image_rmse")
+        image = image_rmse(renders, r["structure"])
         rows.append([f'`{r["structure"]}`', times(r["ratio_to_embree"]),
                      bad_count(r["leaks"], r["aimed"]), number(r["aimed"]), number(r["differing"]), number(r["thin"]),
                      f'{r["t_error_rel_p99"]:.1e}', f"{image:.1e}" if image is not None else "-"])
@@ -319,7 +326,7 @@ def renders(records):
     rows = [[f"`{name}`"] + [f'{by_key[s, name]["seconds"]:.2f}' if (s, name) in by_key else "-" for s in scenes]
             for name in names]
     text = ("The same paths through each structure, with one seed. Pictures differ only where a structure answers otherwise; "
-            "heat maps say what a camera ray meets in the tree.")
+            "heat maps show what a camera ray meets in the tree.")
     return Section("renders", "Renderings", [
         Text(text), Table(["seconds"] + scenes, rows, "Tracing and shading on all threads, without the build.", ours_among(names)),
         *[render_scene(scene, group, scene == scenes[0]) for (scene,), group in grouped(found, "scene").items()]])
@@ -356,6 +363,6 @@ def reproduce(files):
         blocks.append(Text("Not all parts were measured on the same machine: " + "; ".join(
             f'{f["name"]}: {f["records"][0]["origin"]}' for f in files) + "."))
     if commands:
-        blocks += [Text("`stbvh-ab` is `build/release/harness/cli/stbvh-ab`, which `harness/run` builds. This page is made anew, "
-                        "without measuring, by `stbvh-ab report --from FOLDER -o FOLDER`."), Commands(commands)]
+        blocks += [Text("`stbvh-ab` is `out/bin/stbvh-ab` after `harness/run`. `stbvh-ab report --from FOLDER -o FOLDER` makes this page "
+                        "again without measuring."), Commands(commands)]
     return Section("reproduce", "Machine and commands", blocks)

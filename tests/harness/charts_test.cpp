@@ -206,6 +206,37 @@ TEST_F(Charts, LinksStayLinksAndLoopsAreRefused) {
   expect_refused(stbvh_ab("charts " + at("scaling.json") + " -o " + at("a")), "Cannot make the directory");
 }
 
+TEST_F(Charts, ResultsOfMachinesStandSideBySide) {
+  Machine one, other;
+  one.cpu = "AMD EPYC 7B13 64-Core Processor";
+  other.cpu = "Intel(R) Core(TM) i7 CPU @ 3.00GHz";
+  Report errors;
+  errors.errors.push_back({.scene = "a", .structure = "stbvh", .rays = "bounce", .traced = 1000});
+  write("one.json", to_json(bench_report(), one, "abc"));
+  write("other.json", to_json(bench_report(), other, "def"));
+  write("error.json", to_json(errors, other, "def"));
+  const std::string page = at("page.md");
+  const std::string records = at("one.json") + " " + at("other.json") + " " + at("error.json");
+  ASSERT_EQ(stbvh_ab("results " + records + " -o " + page).exit_code, 0);
+  const std::string text = read_file(page);
+  for (const char* part :
+       {"AMD EPYC 7B13, 2 threads | Intel Core i7, 1 thread", "| 2.00 (2.00 to 2.00) |", "0 of 1,000"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+
+  write("page.md", "before\n" + text + "after\n");
+  ASSERT_EQ(stbvh_ab("results " + at("one.json") + " -o " + page).exit_code, 0);
+  const std::string again = read_file(page);
+  EXPECT_TRUE(again.starts_with("before\n") && again.ends_with("after\n")) << again;
+  EXPECT_EQ(again.find("Intel"), std::string::npos) << again;
+
+  write("dirty.json", to_json(bench_report(), one, "abc-dirty"));
+  expect_refusal(stbvh_ab("results " + at("dirty.json") + " -o " + page), "clean commit");
+  expect_refusal(stbvh_ab("results " + at("one.json") + " " + at("one.json") + " -o " + page),
+                 "records of the same");
+  write("other.md", "no marks");
+  expect_refusal(stbvh_ab("results " + at("one.json") + " -o " + at("other.md")), "does not have the lines");
+}
+
 TEST_F(Charts, WhereNothingCanBeWrittenAreRefused) {
   expect_refused(stbvh_ab("charts " + at("bench.json") + " -o /proc/none"), "Cannot make the directory");
   expect_refused(stbvh_ab("charts " + at("bench.json") + " -o " + at("bench.json")),

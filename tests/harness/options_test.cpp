@@ -5,7 +5,6 @@
 #include <string>
 #include <vector>
 
-#include "harness/cli/report_options.h"
 #include "harness/cli/scene_bench.h"
 #include "harness/program/pinned_threads.h"
 #include "harness/program/usage_error.h"
@@ -57,9 +56,9 @@ TEST(GltfOptions, StepsAreANumberOrADeviation) {
 }
 
 TEST(SceneOptions, AreHandedOnAsTheyWereGiven) {
-  EXPECT_TRUE(parse<ReportOptions>({"report", "-o", "page", "--quick"}).scene_words.empty());
-  const SceneOptions given = parse<ReportOptions>(
-      {"report", "-o", "page", "--scenes", "cloth,my.glb", "--scale", "0.5", "--seed=7", "--clip", "-1",
+  EXPECT_TRUE(parse<RenderOptions>({"render", "-o", "page", "--png"}).scene_words.empty());
+  const SceneOptions given = parse<RenderOptions>(
+      {"render", "-o", "page", "--scenes", "cloth,my.glb", "--scale", "0.5", "--seed=7", "--clip", "-1",
        "--shutter", "0,0.5", "--shutter-mode", "loop", "--steps", "auto:1e-3"});
   std::vector<std::string> words{"bench"};
   words.insert(words.end(), given.scene_words.begin(), given.scene_words.end());

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "harness/report/json.h"
+#include "harness/report/screen.h"
 #include "harness/report/table.h"
 
 namespace stbvh::harness {
@@ -148,6 +149,48 @@ TEST(Summary, OfOneSceneIsNone) {
   report.speeds.resize(3);
   EXPECT_TRUE(summarize_scenes(report).empty());
   EXPECT_EQ(summary_table({}), "");
+}
+
+/// The line of `text` that begins with `start`.
+std::string line_of(const std::string& text, const std::string& start) {
+  const std::size_t begin = text.find("\n" + start + " ");
+  return begin == std::string::npos ? "" : text.substr(begin + 1, text.find('\n', begin + 1) - begin - 1);
+}
+
+TEST(Screen, HasALineForEachStructure) {
+  Report report = two_scenes();
+  const std::string screen = summary_screen(summarize_scenes(report));
+  EXPECT_EQ(line_of(screen, "stbvh"),
+            "stbvh                     4.00  4.00 (2.00-6.00)  2.50 a                  1.00   2.00");
+  report.builds.pop_back();
+  report.speeds.pop_back();
+  EXPECT_NE(line_of(summary_screen(summarize_scenes(report)), "stbvh").find("(1 of 2 scenes)"),
+            std::string::npos);
+  EXPECT_EQ(summary_screen({}), "");
+}
+
+TEST(Screen, CountsWrongAnswersOverAllScenes) {
+  ErrorResult a{.scene = "a", .structure = "lbvh", .rays = "bounce", .traced = 100, .missed = 2};
+  ErrorResult b{
+      .scene = "b", .structure = "lbvh", .rays = "shadow", .traced = 200, .missed = 3, .false_hits = 1};
+  a.distance.relative.p99 = 0.25;
+  const std::string line = line_of(error_screen({a, b}), "lbvh");
+  EXPECT_EQ(line, "lbvh                       300             5             1  0 (<1.0e-02)   2.5e-01");
+  EXPECT_EQ(error_screen({}), "");
+}
+
+TEST(Screen, NamesTheWorstFamilyOfHardCases) {
+  const HardResult closed{.family = "closed", .structure = "embree", .traced = 50, .leaks = 5, .missed = 4};
+  const HardResult needles{
+      .family = "needles", .structure = "embree", .traced = 150, .wrong_primitive = 6, .any_hit_wrong = 1};
+  const HardResult ours{.family = "closed", .structure = "stbvh", .traced = 50, .leaks = 0};
+  const std::string screen = hard_screen({closed, needles, ours});
+  EXPECT_EQ(
+      line_of(screen, "embree"),
+      "embree                     200        5 (10 %)        10 (5 %)       1 (0.5 %)  needles: 6 of 150");
+  EXPECT_EQ(line_of(screen, "stbvh"),
+            "stbvh                       50               0               0               0  -");
+  EXPECT_EQ(hard_screen({}), "");
 }
 
 TEST(Summary, StandsInTheTableAndInTheRecords) {
