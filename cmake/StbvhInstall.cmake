@@ -1,15 +1,19 @@
 # What `cmake --install` puts into a prefix, so that applications find it by CMake (stbvh::stbvh; the kernels alone:
-# stbvh::kernels) or by pkg-config (docs/library.md). The prefix may be moved afterwards: nothing in it names it. The harness is not installed.
+# stbvh::kernels) or by pkg-config (docs/library.md). What belongs to one major version of Embree has names of its own, so that one
+# prefix takes both. The prefix may be moved afterwards: nothing in it names it. The harness is not installed.
 include(CMakePackageConfigHelpers)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/stbvh)
-install(TARGETS stbvh EXPORT stbvh-targets
+get_target_property(stbvh_library stbvh OUTPUT_NAME)
+install(TARGETS stbvh EXPORT stbvh-embree${EMBREE_VERSION_MAJOR}-targets
   LIBRARY COMPONENT Runtime NAMELINK_COMPONENT Development
   FILE_SET HEADERS COMPONENT Development)
 set_target_properties(stbvh_kernels PROPERTIES EXPORT_NAME kernels)
-install(TARGETS stbvh_kernels EXPORT stbvh-targets ARCHIVE COMPONENT Development)
+install(TARGETS stbvh_kernels EXPORT stbvh-kernels-targets ARCHIVE COMPONENT Development)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/kernels/include/ DESTINATION ${STBVH_KERNELS_INCLUDEDIR} COMPONENT Development)
-install(EXPORT stbvh-targets NAMESPACE stbvh:: DESTINATION ${package_folder} COMPONENT Development)
+foreach(part embree${EMBREE_VERSION_MAJOR} kernels)
+  install(EXPORT stbvh-${part}-targets NAMESPACE stbvh:: DESTINATION ${package_folder} COMPONENT Development)
+endforeach()
 
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/stbvh-config.cmake.in
   ${CMAKE_CURRENT_BINARY_DIR}/stbvh-config.cmake INSTALL_DESTINATION ${package_folder}
@@ -32,13 +36,13 @@ list(REMOVE_ITEM embree_include_folders ${CMAKE_C_IMPLICIT_INCLUDE_DIRECTORIES})
 list(TRANSFORM embree_include_folders PREPEND " -I" OUTPUT_VARIABLE pc_embree_cflags)
 string(JOIN "" pc_embree_cflags ${pc_embree_cflags})
 cmake_path(NORMAL_PATH embree_library_folder)
-set(pc_embree_libs -lembree3)
+set(pc_embree_libs -lembree${EMBREE_VERSION_MAJOR})
 if(NOT embree_library_folder IN_LIST CMAKE_C_IMPLICIT_LINK_DIRECTORIES)
   string(PREPEND pc_embree_libs "-L${embree_library_folder} ")
 endif()
-foreach(name stbvh stbvh-kernels)
-  configure_file(${CMAKE_CURRENT_LIST_DIR}/${name}.pc.in ${CMAKE_CURRENT_BINARY_DIR}/${name}.pc @ONLY)
-  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT Development)
-endforeach()
+configure_file(${CMAKE_CURRENT_LIST_DIR}/stbvh.pc.in ${CMAKE_CURRENT_BINARY_DIR}/${stbvh_library}.pc @ONLY)
+configure_file(${CMAKE_CURRENT_LIST_DIR}/stbvh-kernels.pc.in ${CMAKE_CURRENT_BINARY_DIR}/stbvh-kernels.pc @ONLY)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/${stbvh_library}.pc ${CMAKE_CURRENT_BINARY_DIR}/stbvh-kernels.pc
+  DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig COMPONENT Development)
 
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT Runtime)

@@ -1,18 +1,23 @@
 #!/usr/bin/env bash
-# The installed library, as an application sees it. Usage: install_test.sh STEP BUILD_FOLDER SOURCE_FOLDER CMAKE CC CXX
+# The installed library, as an application sees it.
+# Usage: install_test.sh STEP BUILD_FOLDER SOURCE_FOLDER CMAKE CC CXX EMBREE_MAJOR
 # STEP `install` leaves a prefix in BUILD_FOLDER/tests/install/prefix, which the other steps use.
 set -euo pipefail
-step=$1 build=$2 source=$3 cmake=$4 cc=$5 cxx=$6
+step=$1 build=$2 source=$3 cmake=$4 cc=$5 cxx=$6 major=$7
 work=$build/tests/install
 prefix=$work/prefix
 example=$source/plugin/examples/from_triangles
 kernels_example=$source/kernels/examples/two_meshes
 
 fail() { echo "$*" >&2; exit 1; }
-library() { find "$prefix" -name 'libstbvh.so'; }
-use_pkg_config() { PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name stbvh.pc)"); export PKG_CONFIG_PATH; }
-flags() { pkg-config "$@" stbvh; }
+name=stbvh
+[ "$major" = 3 ] || name=stbvh$major
+other_major=$((7 - major))
+library() { find "$prefix" -name "lib$name.so"; }
+use_pkg_config() { PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name "$name.pc")"); export PKG_CONFIG_PATH; }
+flags() { pkg-config "$@" "$name"; }
 project_version() { sed -n 's/^project(stbvh VERSION \([0-9.]*\).*/\1/p' "$source/CMakeLists.txt"; }
+export CMAKE_GENERATOR=Ninja  # as the project itself: make need not be there
 warnings=(-pedantic -Wall -Wextra -Werror)
 
 # Installed, then moved: nothing that is found later may name the first place.
@@ -24,9 +29,12 @@ install_and_move() {
   [ "$(find "$prefix" -name '*.a' -printf '%f\n')" = libstbvh_kernels.a ] || fail "other static libraries than the kernels"
 }
 
-# Exactly what the header declares, and nothing of C++.
+# Exactly what the header declares for this Embree, and nothing of C++.
 exports() {
-  diff <(grep -ozP '(?m)^(STBVH_NODISCARD )?STBVH_API [^;(]*?\K\w+(?=\()' "$(find "$prefix" -name stbvh_embree.h)" | tr '\0' '\n' | sort) \
+  use_pkg_config
+  # shellcheck disable=SC2046  # the flags are words
+  diff <("$cc" -E -P $(flags --cflags) -x c "$(find "$prefix" -name stbvh_embree.h)" | tr '\n' ' ' |
+      grep -oP '__attribute__\(\(visibility\("default"\)\)\) [^;(]*?\K\w+(?=\()' | sort) \
     <(nm --dynamic --defined-only "$(library)" | awk '{ print $3 }' | sort) ||
     fail "left: what the header declares; right: what the library exports"
 }
@@ -34,10 +42,10 @@ exports() {
 soname() {
   local version
   version=$(project_version)
-  readelf --dynamic "$(library)" | grep -qF "soname: [libstbvh.so.${version%.*}]" || fail "not the soname of version $version"
-  [ "$(basename "$(readlink -f "$(library)")")" = "libstbvh.so.$version" ] || fail "the file is not that of version $version"
+  readelf --dynamic "$(library)" | grep -qF "soname: [lib$name.so.${version%.*}]" || fail "not the soname of version $version"
+  [ "$(basename "$(readlink -f "$(library)")")" = "lib$name.so.$version" ] || fail "the file is not that of version $version"
   use_pkg_config
-  [ "$(flags --modversion)" = "$version" ] || fail "stbvh.pc has another version than $version"
+  [ "$(flags --modversion)" = "$version" ] || fail "$name.pc has another version than $version"
   [ "$(pkg-config --modversion stbvh-kernels)" = "$version" ] || fail "stbvh-kernels.pc has another version than $version"
   grep -qxF "#define STBVH_VERSION_STRING \"$version\"" "$(find "$prefix" -name stbvh_embree.h)" ||
     fail "the header has another version than $version"
@@ -69,6 +77,39 @@ by_cmake_version() {
     tr -s ' \n' ' ' < "$work/version.log" | grep -q "compatible with requested version \"$wanted\"" ||
       { cat "$work/version.log"; fail "refused for another reason"; }
   done
+}
+
+# The component of the installed major, the application's own Embree, and the other major, which is refused.
+by_cmake_major() {
+  configure() {
+    mkdir -p "$work/major"
+    printf 'cmake_minimum_required(VERSION 3.16)\nproject(p LANGUAGES C CXX)\n%s\n' "$1" > "$work/major/CMakeLists.txt"
+    rm -rf "$work/major/build"
+    "$cmake" -S "$work/major" -B "$work/major/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER="$cc" \
+      -DCMAKE_CXX_COMPILER="$cxx" > "$work/major.log" 2>&1
+  }
+  local check="get_target_property(d stbvh::stbvh INTERFACE_COMPILE_DEFINITIONS)
+    if(NOT d STREQUAL \"STBVH_EMBREE_MAJOR=$major\")
+      message(FATAL_ERROR \"\${d}\")
+    endif()"
+  configure "find_package(stbvh 0.1 REQUIRED COMPONENTS embree$major)
+    $check" || { cat "$work/major.log"; fail "the component embree$major was not found"; }
+  configure "find_package(embree $major REQUIRED)
+    find_package(stbvh 0.1 REQUIRED)
+    $check" || { cat "$work/major.log"; fail "not found after Embree"; }
+  ! configure "find_package(stbvh 0.1 REQUIRED COMPONENTS embree$other_major)" || fail "Embree $other_major was found"
+  tr -s ' \n' ' ' < "$work/major.log" | grep -q "Embree $other_major and the STBVH library for it are not both installed" ||
+    { cat "$work/major.log"; fail "refused for another reason"; }
+}
+
+# A program that has included one Embree and is told that the library is for the other.
+mixed_majors() {
+  use_pkg_config
+  # shellcheck disable=SC2046
+  ! "$cc" -fsyntax-only $(flags --cflags) -USTBVH_EMBREE_MAJOR -DSTBVH_EMBREE_MAJOR="$other_major" -x c - \
+    2> "$work/mixed_majors.log" <<< "#include <embree$major/rtcore.h>
+#include <stbvh/stbvh_embree.h>" || fail "the two majors were mixed up"
+  grep -q 'for another major version of Embree' "$work/mixed_majors.log" || { cat "$work/mixed_majors.log"; fail "no clear error"; }
 }
 
 by_pkg_config() {
@@ -115,8 +156,9 @@ kernels() {
   done
 }
 
-# The installed script finds the installed library, which takes over what the example gives to Embree.
+# The installed script finds the installed library, which takes over what the example gives to Embree 3.
 preload() {
+  [ "$major" = 3 ] || return 0
   use_pkg_config
   # shellcheck disable=SC2046
   "$cc" -std=c99 "$example"/*.c -o "$work/preload" $(flags --cflags --libs) -lm
@@ -175,7 +217,7 @@ handful() {
 
 case $step in
   install) install_and_move ;;
-  exports | soname | by_cmake | by_cmake_version | by_pkg_config | preload | harness | header | handful) "$step" ;;
-  exports | soname | by_cmake | by_cmake_version | by_pkg_config | kernels | preload | header | nodiscard | handful) "$step" ;;
+  exports | soname | by_cmake | by_cmake_version | by_cmake_major | mixed_majors | by_pkg_config | kernels | preload | harness | \
+    header | nodiscard | handful) "$step" ;;
   *) fail "no such step: $step" ;;
 esac

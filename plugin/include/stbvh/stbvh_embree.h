@@ -69,14 +69,14 @@
 #endif
 #endif
 
-#if STBVH_EMBREE_MAJOR >= 4
+#if defined(RTC_VERSION_MAJOR)
+#if RTC_VERSION_MAJOR != STBVH_EMBREE_MAJOR
+#error "this STBVH library is for another major version of Embree than what was included before"
+#endif
+#elif STBVH_EMBREE_MAJOR >= 4
 #include <embree4/rtcore.h>
 #else
 #include <embree3/rtcore.h>
-#endif
-
-#if RTC_VERSION_MAJOR != STBVH_EMBREE_MAJOR
-#error "this STBVH library is for another major version of Embree"
 #endif
 
 #if defined(__GNUC__)
