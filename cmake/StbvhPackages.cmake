@@ -30,7 +30,8 @@ string(REGEX REPLACE "([0-9])$" "\\1-" library_package lib${stbvh_library})
 string(APPEND library_package ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME ${library_package})
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION libs)
-set(CPACK_COMPONENT_RUNTIME_DESCRIPTION "Shared library: moving triangle meshes as a user geometry of Embree ${EMBREE_VERSION_MAJOR}.")
+set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
+  "Shared library: moving triangle meshes as a user geometry of Embree ${EMBREE_VERSION_MAJOR}.")
 
 set(least_embree 3.13)
 if(EMBREE_VERSION_MAJOR GREATER 3)

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <new>
 
-#include "plugin/embree_api.h"
 #include "stbvh/isa.h"
+#include "stbvh/stbvh_embree.h"
 #include "stbvh_commit.h"
 
 namespace stbvh::harness {

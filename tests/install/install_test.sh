@@ -109,7 +109,8 @@ mixed_majors() {
   ! "$cc" -fsyntax-only $(flags --cflags) -USTBVH_EMBREE_MAJOR -DSTBVH_EMBREE_MAJOR="$other_major" -x c - \
     2> "$work/mixed_majors.log" <<< "#include <embree$major/rtcore.h>
 #include <stbvh/stbvh_embree.h>" || fail "the two majors were mixed up"
-  grep -q 'for another major version of Embree' "$work/mixed_majors.log" || { cat "$work/mixed_majors.log"; fail "no clear error"; }
+  grep -q 'for another major version of Embree' "$work/mixed_majors.log" ||
+    { cat "$work/mixed_majors.log"; fail "no clear error"; }
 }
 
 by_pkg_config() {
