@@ -1,5 +1,5 @@
 # What `cmake --install` puts into a prefix, so that applications find it by CMake (stbvh::stbvh; the kernels alone:
-# stbvh::kernels) or by pkg-config (docs/library.md). The prefix may be moved afterwards: nothing in it names it. The harness is not installed.
+# stbvh::kernels) or by pkg-config (docs/library.md). The prefix may be moved afterwards: nothing in it names it.
 include(CMakePackageConfigHelpers)
 
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/stbvh)

@@ -26,7 +26,8 @@ install_and_move() {
 
 # Exactly what the header declares, and nothing of C++.
 exports() {
-  diff <(grep -ozP '(?m)^(STBVH_NODISCARD )?STBVH_API [^;(]*?\K\w+(?=\()' "$(find "$prefix" -name stbvh_embree.h)" | tr '\0' '\n' | sort) \
+  diff <(grep -ozP '(?m)^(STBVH_NODISCARD )?STBVH_API [^;(]*?\K\w+(?=\()' \
+    "$(find "$prefix" -name stbvh_embree.h)" | tr '\0' '\n' | sort) \
     <(nm --dynamic --defined-only "$(library)" | awk '{ print $3 }' | sort) ||
     fail "left: what the header declares; right: what the library exports"
 }
