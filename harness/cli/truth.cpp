@@ -21,6 +21,7 @@
 #include "harness/program/options.h"
 #include "harness/program/session.h"
 #include "harness/program/usage_error.h"
+#include "harness/report/table.h"
 #include "plugin/files/output_file.h"
 
 namespace stbvh::harness {

@@ -131,7 +131,7 @@ void add_time_families(std::vector<HardFamily>& families) {
                       .askable = Askable::kOurs,
                       .make = time_range_inner});
   // Through Embree, a geometry that ends before 1 is not there at its very end
-  // (tests/plugin/time_range_test).
+  // (tests/plugin/time_range_test.cpp).
   families.push_back({.name = "time-range-alone",
                       .description = "The same without anything that is there at all times.",
                       .askable = Askable::kDirect,

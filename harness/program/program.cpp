@@ -95,8 +95,6 @@ int run_as_program(const std::function<void()>& work) {
     return fail(2, e.what());
   } catch (const OutputFileError& e) {
     return fail(2, e.what());
-  } catch (const RecordFileError& e) {
-    return fail(2, e.what());
   } catch (const std::filesystem::filesystem_error& e) {
     return fail(2, fmt::format("\"{}\": {}.", e.path1().string(), e.code().message()));
   } catch (const Interrupted& e) {

@@ -21,7 +21,8 @@ warnings.simplefilter("ignore", UserWarning)  # matplotlib's, of names in script
 
 # The same records give the same bytes: no random ids, no date.
 matplotlib.rcParams["svg.hashsalt"] = "stbvh"
-plt.rcParams.update({"text.parse_math": False, "font.size": 8, "axes.titlesize": 9, "axes.grid": True, "grid.linewidth": 0.3, "axes.axisbelow": True})
+plt.rcParams.update({"text.parse_math": False, "font.size": 8, "axes.titlesize": 9, "axes.grid": True,
+                     "grid.linewidth": 0.3, "axes.axisbelow": True})
 
 # Okabe and Ito's colours, which are told apart with any kind of colour vision; a family of structures each.
 COLOURS = ("#0072b2", "#e69f00", "#d55e00", "#009e73", "#cc79a7", "#56b4e9")

@@ -4,7 +4,8 @@
 Reads the records of kind "hard" that `stbvh-ab hard` writes. A cell has what is not zero of: leaks, missed,
 false hits, wrong primitives, wrong answers of any hit; then, after ~, answers that differ where the exact one
 changes within rounding, ties with another triangle than the exact one, rays that meet the triangle which they
-leave, and 99th percentiles of the error of t: relative, and in spacings of floats. "-" stands for a structure that cannot be asked.
+leave, and 99th percentiles of the error of t: relative, and in spacings of floats. "-" stands for a
+structure that cannot be asked.
 """
 import sys
 

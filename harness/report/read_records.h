@@ -2,16 +2,15 @@
 #pragma once
 
 #include <filesystem>
-#include <stdexcept>
-
+#include "harness/files/user_error.h"
 #include "harness/report/records.h"
 
 namespace stbvh::harness {
 
 /// A file that is missing, broken, too large (64 MB) or too deep (100 levels), or not of records; what() is
 /// one sentence for the user.
-struct RecordFileError : std::runtime_error {
-  using std::runtime_error::runtime_error;
+struct RecordFileError : UserError {
+  using UserError::UserError;
 };
 
 /// What speed against error is made of: the records of kind "speed" and "hard"; of speeds the fields that

@@ -143,7 +143,8 @@ def grouped(records, *keys):
 
 
 # What a record is about: no two may agree in all of these.
-IDENTITY = ("kind", "scene", "family", "structure", "reference", "measure", "rays", "threads", "over", "value", "samples_per_pixel")
+IDENTITY = ("kind", "scene", "family", "structure", "reference", "measure", "rays", "threads", "over", "value",
+            "samples_per_pixel")
 
 
 def check_distinct(records):

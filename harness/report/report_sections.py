@@ -328,7 +328,8 @@ def renders(records):
     text = ("The same paths through each structure, with one seed. Pictures differ only where a structure answers otherwise; "
             "heat maps show what a camera ray meets in the tree.")
     return Section("renders", "Renderings", [
-        Text(text), Table(["seconds"] + scenes, rows, "Tracing and shading on all threads, without the build.", ours_among(names)),
+        Text(text), Table(["seconds"] + scenes, rows, "Tracing and shading on all threads, without the build.",
+               ours_among(names)),
         *[render_scene(scene, group, scene == scenes[0]) for (scene,), group in grouped(found, "scene").items()]])
 
 
@@ -363,6 +364,7 @@ def reproduce(files):
         blocks.append(Text("Not all parts were measured on the same machine: " + "; ".join(
             f'{f["name"]}: {f["records"][0]["origin"]}' for f in files) + "."))
     if commands:
-        blocks += [Text("`stbvh-ab` is `out/bin/stbvh-ab` after `harness/run`. `stbvh-ab report --from FOLDER -o FOLDER` makes this page "
+        blocks += [Text("`stbvh-ab` is `out/bin/stbvh-ab` after `harness/run`. "
+                        "`stbvh-ab report --from FOLDER -o FOLDER` makes this page "
                         "again without measuring."), Commands(commands)]
     return Section("reproduce", "Machine and commands", blocks)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Records of several machines side by side, as Markdown: what `stbvh-ab results` runs.
 
-results.py RECORDS.json... -o FILE.md
+results.py RECORDS.json... -o PAGE
 
 Reads what bench, error and hard wrote. In a file that has the two marker lines below, only what stands between them is
 replaced. Records from a tree with uncommitted changes are refused.

@@ -8,6 +8,7 @@
 #include "plugin/preload/real_embree.h"
 #include "plugin/preload/statistics.h"
 #include "plugin/preload/tracked_scene.h"
+#include "stbvh/stbvh_embree.h"
 
 namespace stbvh::preload {
 namespace {

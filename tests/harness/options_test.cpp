@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/cli/render_options.h"
 #include "harness/cli/scene_bench.h"
 #include "harness/program/pinned_threads.h"
 #include "harness/program/usage_error.h"
