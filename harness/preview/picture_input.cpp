@@ -12,9 +12,29 @@ constexpr float kSplitReach = 6;         // pixels of the user on either side of
 constexpr double kDegreesForEach = 0.4;  // pixel of the user that the mouse goes
 constexpr double kDollyForEach = 0.9;    // step of the wheel
 
+#if IMGUI_VERSION_NUM >= 18700
+
+bool pressed(ImGuiKey key) {
+  return ImGui::IsKeyPressed(key, false);
+}
+
+bool pressed(char key) {
+  if (key >= 'A' && key <= 'Z') return pressed(static_cast<ImGuiKey>(ImGuiKey_A + (key - 'A')));
+  if (key >= '0' && key <= '9') return pressed(static_cast<ImGuiKey>(ImGuiKey_0 + (key - '0')));
+  return pressed(key == ' ' ? ImGuiKey_Space : key == ',' ? ImGuiKey_Comma : ImGuiKey_Period);
+}
+
+#else  // keys are numbers of the window system's: of GLFW, letters in upper case
+
+bool pressed(ImGuiKey_ key) {
+  return ImGui::IsKeyPressed(ImGui::GetKeyIndex(key), false);
+}
+
 bool pressed(char key) {
   return ImGui::IsKeyPressed(key, false);
 }
+
+#endif
 
 void handle_view_keys(PreviewModel& model) {
   ViewOptions& view = model.view_options;
@@ -36,8 +56,8 @@ void handle_keys(PreviewModel& model, PanelState& panels, Window& window) {
   if (pressed('F')) animation.is_frozen = !animation.is_frozen;
   if (pressed('S')) model.save(panels.save_path);
   if (pressed('C')) window.copy(model.command_line());
-  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Escape), false)) model.cancel();
-  if (ImGui::IsKeyPressed(ImGui::GetKeyIndex(ImGuiKey_Tab), false)) panels.is_shown = !panels.is_shown;
+  if (pressed(ImGuiKey_Escape)) model.cancel();
+  if (pressed(ImGuiKey_Tab)) panels.is_shown = !panels.is_shown;
 }
 
 bool shows_split(const PreviewModel& model) {
