@@ -120,8 +120,10 @@ std::string speed_table(const std::vector<SpeedResult>& results) {
     const std::size_t last = std::min(first + kSpeedColumns, kinds.size());
     text += speed_columns(results, std::span(kinds).subspan(first, last - first));
   }
-  return text + hit_line(results, kinds) +
-         "Debian's Embree carries assertions, which cost it 1 to 4 % of its speed.\n";
+  text += hit_line(results, kinds);
+  if (STBVH_EMBREE_MAJOR == 3)
+    text += "Debian's Embree carries assertions, which cost it 1 to 4 % of its speed.\n";
+  return text;
 }
 
 std::string error_table(const std::vector<ErrorResult>& results) {
