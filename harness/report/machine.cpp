@@ -14,12 +14,21 @@
 namespace stbvh::harness {
 namespace {
 
+/// The first processor's name, with family and model: virtual machines often leave the generation out of it.
 std::string cpu_model() {
   std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);) {
-    if (line.starts_with("model name")) return line.substr(line.find(':') + 2);
+  std::string name = "unknown", family, model;
+  for (std::string line; std::getline(file, line) && !line.empty();) {
+    const std::size_t colon = line.find(':');
+    if (colon == std::string::npos || colon + 2 > line.size()) continue;
+    const std::string key = line.substr(0, line.find_last_not_of(" \t", colon - 1) + 1);
+    const std::string value = line.substr(colon + 2);
+    if (key == "model name") name = value;
+    if (key == "cpu family") family = value;
+    if (key == "model") model = value;
   }
-  return "unknown";
+  return family.empty() || model.empty() ? name
+                                         : fmt::format("{} (family {}, model {})", name, family, model);
 }
 
 unsigned usable_cores() {
