@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <utility>
 
 namespace stbvh::harness {
@@ -30,6 +31,9 @@ ImTextureID texture_id(unsigned texture) {
 
 Window::Window(const std::string& title, int width, int height) {
   glfwSetErrorCallback([](int, const char* text) { last_error() = text; });
+#ifdef GLFW_PLATFORM  // GLFW 3.4: without a Wayland session its library prints a line of its own
+  if (std::getenv("WAYLAND_DISPLAY") == nullptr) glfwInitHint(GLFW_PLATFORM, GLFW_PLATFORM_X11);
+#endif
   if (glfwInit() != GLFW_TRUE)
     throw WindowError(fmt::format("There is no display to open a window on ({}).", last_error()));
   try {
