@@ -48,7 +48,8 @@ class Memory : public TemporaryFolderTest {
   static std::size_t lines_of_failure(const std::string& text) {
     std::istringstream lines(text);
     std::size_t count = 0;
-    for (std::string line; std::getline(lines, line);) count += line.empty() || line.starts_with('[') ? 0u : 1u;
+    for (std::string line; std::getline(lines, line);)
+      count += line.empty() || line.starts_with('[') ? 0u : 1u;
     return count;
   }
 
