@@ -122,7 +122,7 @@ def error_sections(machines):
                 columns.append((f"{words}: {m.name}", cells))
     if columns:
         yield Section("error", "Errors against an exact oracle", [
-            side_by_side(columns, "Beyond rounding. None of n proves a rate below 3 / n with 95 % confidence.")])
+            side_by_side(columns, "Beyond rounding. No error in n rays means an error rate below 3 / n with 95 % confidence.")])
 
 
 def main():

@@ -316,7 +316,7 @@ STBVH_API RTCGeometry stbvhGetGeometry(StbvhGeometry geometry);
 
 /**
  * Closest hit in this geometry alone, without a scene and without Embree's tree above it: for applications
- * that ask their moving meshes apart from what else there is. Ray and hit are those of rtcIntersect1, and
+ * that query their moving meshes separately from the rest. Ray and hit are those of rtcIntersect1, and
  * come back with the same bits as from rtcIntersect1 on a scene that holds only this geometry: masks, time
  * ranges, the meshes' filters and the context's work alike. Differences: a mesh with the default geomID
  * reports its index, and the end of a time range (docs/api.md).
