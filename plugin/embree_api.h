@@ -17,6 +17,9 @@ using QueryContext = RTCRayQueryContext;
 using IntersectOptions = RTCIntersectArguments;
 using OccludedOptions = RTCOccludedArguments;
 
+/// Of scenes whose rays may bring filters with them.
+constexpr RTCSceneFlags kSceneTakesQueryFilters = RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS;
+
 inline QueryContext new_context() {
   QueryContext context;
   rtcInitRayQueryContext(&context);
@@ -32,16 +35,20 @@ QueryFilter filter_of(const Options& options) {
   return {options.filter, (options.flags & RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER) != 0};
 }
 
+/// What the arguments of a user geometry's callback are the beginning of.
+template <typename Arguments, typename Options>
+struct ArgumentsWithOptions {
+  Arguments arguments;
+  const void* geometry;
+  const void* forward_scene;
+  const Options* options;
+};
+
 /// The options of the query that a callback of a user geometry works for. Nothing public leads to them:
 /// Embree calls the filters of geometries alone on what user geometries find.
 template <typename Options, typename Arguments>
 const Options& options_behind(const Arguments* arguments) {
-  struct Tail {
-    const void* geometry;
-    const void* forward_scene;
-    const Options* options;
-  };
-  return *reinterpret_cast<const Tail*>(arguments + 1)->options;
+  return *reinterpret_cast<const ArgumentsWithOptions<Arguments, Options>*>(arguments)->options;
 }
 
 inline QueryFilter filter_of_query(const RTCIntersectFunctionNArguments* arguments) {
@@ -61,6 +68,8 @@ class RayQuery {
 #else
 
 using QueryContext = RTCIntersectContext;
+
+constexpr RTCSceneFlags kSceneTakesQueryFilters = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
 
 inline QueryContext new_context() {
   QueryContext context;

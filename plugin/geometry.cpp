@@ -69,7 +69,7 @@ void Geometry::commit() {
   user_geometry_.publish(nullptr);
   default_mesh_ = find_default_mesh(meshes_);
   TemporaryMemory temporary_memory(device_.get());
-  std::unique_ptr<Published> published;
+  std::shared_ptr<const Published> published;
   try {
     published = build(temporary_memory);
   } catch (const BuildCancelled&) {
@@ -98,8 +98,8 @@ BuildCallbacks Geometry::build_callbacks(TemporaryMemory& temporary_memory) cons
   return callbacks;
 }
 
-std::unique_ptr<Published> Geometry::build(TemporaryMemory& temporary_memory) const {
-  auto published = std::make_unique<Published>();
+std::shared_ptr<const Published> Geometry::build(TemporaryMemory& temporary_memory) const {
+  auto published = std::make_shared<Published>();
   published->runs_query_filters = keeps_options_behind_arguments();
   std::vector<MeshView> views;
   std::vector<MeshMotion> motions;

@@ -5,30 +5,13 @@
 #include <type_traits>
 #include <vector>
 
+#include "plugin/linked_embree.h"
 #include "plugin/mesh_description.h"
 #include "plugin/user_geometry.h"
 
 namespace stbvh::plugin {
 
 class TemporaryMemory;
-
-/// The functions of the Embree that this library is linked with, for UserGeometry.
-struct LinkedEmbree {
-  static constexpr auto rtcNewGeometry = ::rtcNewGeometry;
-  static constexpr auto rtcReleaseGeometry = ::rtcReleaseGeometry;
-  static constexpr auto rtcCommitGeometry = ::rtcCommitGeometry;
-  static constexpr auto rtcSetGeometryUserPrimitiveCount = ::rtcSetGeometryUserPrimitiveCount;
-  static constexpr auto rtcSetGeometryUserData = ::rtcSetGeometryUserData;
-  static constexpr auto rtcSetGeometryBoundsFunction = ::rtcSetGeometryBoundsFunction;
-  static constexpr auto rtcSetGeometryIntersectFunction = ::rtcSetGeometryIntersectFunction;
-  static constexpr auto rtcSetGeometryOccludedFunction = ::rtcSetGeometryOccludedFunction;
-  static constexpr auto rtcSetGeometryTimeStepCount = ::rtcSetGeometryTimeStepCount;
-  static constexpr auto rtcSetGeometryTimeRange = ::rtcSetGeometryTimeRange;
-  static constexpr auto rtcSetGeometryMask = ::rtcSetGeometryMask;
-};
-inline LinkedEmbree linked_embree() {
-  return {};
-}
 
 /// Errors are thrown: ApiError, or std::bad_alloc.
 class Geometry {
@@ -59,7 +42,7 @@ class Geometry {
   unsigned default_mesh() const { return default_mesh_; }
 
  private:
-  std::unique_ptr<Published> build(TemporaryMemory& temporary_memory) const;
+  std::shared_ptr<const Published> build(TemporaryMemory& temporary_memory) const;
   BuildCallbacks build_callbacks(TemporaryMemory& temporary_memory) const;
 
   struct ReleaseDevice {

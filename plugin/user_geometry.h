@@ -42,7 +42,7 @@ class UserGeometry {
   const Published* published() const { return published_.get(); }  ///< null: nothing
 
   /// Shows `published` (null: nothing) from now on, and commits. What was shown before is freed.
-  void publish(std::unique_ptr<Published> published) {
+  void publish(std::shared_ptr<const Published> published) {
     show(published == nullptr ? nothing() : *published);
     kEmbree().rtcCommitGeometry(handle_);
     published_ = std::move(published);
@@ -53,13 +53,13 @@ class UserGeometry {
     kEmbree().rtcSetGeometryMask(handle_, published_ == nullptr ? nothing().mask : published_->mask);
   }
 
- private:
-  /// Never freed: an RTCGeometry may outlive everything else.
+  /// The user data of a geometry that shows nothing. Never freed: an RTCGeometry may outlive everything else.
   static const Published& nothing() {
     static const Published* const kNothing = new Published;
     return *kNothing;
   }
 
+ private:
   void set_user_data(const Published& published) {
     // Embree's user data is not const; the callbacks only read it.
     kEmbree().rtcSetGeometryUserData(handle_, const_cast<Published*>(&published));
@@ -75,7 +75,7 @@ class UserGeometry {
   }
 
   RTCGeometry handle_ = nullptr;
-  std::unique_ptr<Published> published_;
+  std::shared_ptr<const Published> published_;
 };
 
 }  // namespace stbvh::plugin

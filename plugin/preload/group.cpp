@@ -4,6 +4,7 @@
 #include <chrono>
 #include <new>
 
+#include "plugin/preload/published_pool.h"
 #include "plugin/preload/real_embree.h"
 #include "plugin/preload/statistics.h"
 
@@ -70,23 +71,36 @@ plugin::MotionGrid grid_of(const std::vector<MeshView>& views) {
   return {{0.0f, 1.0f}, {bounds.begin}};
 }
 
-std::unique_ptr<Published> publication(const std::vector<Member>& members, const GroupSettings& settings) {
-  auto published = std::make_unique<Published>();
-  published->runs_query_filters = settings.runs_context_filters;
+std::shared_ptr<Published> publication(const std::vector<Member>& members, const GroupSettings& settings) {
+  auto published = std::allocate_shared<Published>(PublishedAllocator<Published>());
+  published->runs_query_filters = settings.runs_query_filters;
   published->filter_user_ptr = counts_statistics() ? counting_user_data_of : user_data_of;
   for (const auto& [geom_id, mesh, version] : members) {
-    published->add({geom_id, mesh->handle, mesh->intersect_filter, mesh->occluded_filter}, mesh->mask);
+    published->add(
+        {geom_id, mesh->handle, mesh->intersect_filter, mesh->occluded_filter, mesh->takes_query_filters},
+        mesh->mask);
   }
   return published;
 }
 
 }  // namespace
 
+const GroupCallbacks& group_callbacks() {
+  static const GroupCallbacks kCallbacks =
+      counts_statistics() ? GroupCallbacks{counting_intersect, counting_occluded}
+                          : GroupCallbacks{plugin::intersect_callback, plugin::occluded_callback};
+  return kCallbacks;
+}
+
+bool is_group(const void* user_data) {
+  return is_in_published_pool(user_data) || user_data == &plugin::UserGeometry<real>::nothing();
+}
+
 Group::Group(std::shared_ptr<TrackedDevice> device)
     : device_(std::move(device)),
-      user_geometry_(device_->handle(), counts_statistics() ? counting_intersect : plugin::intersect_callback,
-                     counts_statistics() ? counting_occluded : plugin::occluded_callback) {
+      user_geometry_(device_->handle(), group_callbacks().intersect, group_callbacks().occluded) {
   user_geometry_.publish(nullptr);
+  detail::any_group.store(true, std::memory_order_relaxed);
 }
 
 void Group::clear() {

@@ -1,6 +1,7 @@
 /// Moving meshes of a scene in one structure, behind one user geometry.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -22,13 +23,32 @@ struct Member {
 
 struct GroupSettings {
   BuildSettings build;
-  bool runs_context_filters = false;
+  bool runs_query_filters = false;
 
   bool operator==(const GroupSettings& other) const {
     return build.inline_share == other.build.inline_share && build.precision == other.build.precision &&
-           runs_context_filters == other.runs_context_filters;
+           runs_query_filters == other.runs_query_filters;
   }
 };
+
+/// What Embree calls for the user geometry of a group.
+struct GroupCallbacks {
+  RTCIntersectFunctionN intersect;
+  RTCOccludedFunctionN occluded;
+};
+const GroupCallbacks& group_callbacks();
+
+/// Whether a user geometry with this user data is a group's.
+bool is_group(const void* user_data);
+
+namespace detail {
+inline std::atomic<bool> any_group{false};
+}
+
+/// Whether there has been a group yet.
+inline bool had_groups() {
+  return detail::any_group.load(std::memory_order_relaxed);
+}
 
 class Group {
  public:
@@ -52,6 +72,8 @@ class Group {
   /// Whether build() with these would do again what the last one did.
   bool is_built_of(const std::vector<Member>& members, const GroupSettings& settings) const;
 
+  /// What the callbacks are shown; null: nothing.
+  const plugin::Published* published() const { return user_geometry_.published(); }
   /// Of the structure; it must not be empty.
   const BuildStatistics& statistics() const { return user_geometry_.published()->structure->statistics(); }
 

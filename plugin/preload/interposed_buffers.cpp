@@ -2,23 +2,31 @@
 #include "plugin/preload/real_embree.h"
 #include "plugin/preload/recording.h"
 
-using stbvh::preload::BoundBuffer;
+namespace stbvh::preload {
+
+void record_buffer(TrackedGeometry& geometry, RTCBufferType type, unsigned slot, const BoundBuffer& buffer) {
+  RTCBufferType steps = RTC_BUFFER_TYPE_VERTEX;
+#if defined(RTC_GEOMETRY_INSTANCE_ARRAY)
+  if (geometry.type == RTC_GEOMETRY_TYPE_INSTANCE_ARRAY) {
+    steps = RTC_BUFFER_TYPE_TRANSFORM;
+  } else
+#endif
+      if (geometry.type != RTC_GEOMETRY_TYPE_TRIANGLE) {
+    return;
+  }
+  if (type == RTC_BUFFER_TYPE_INDEX) geometry.indices = buffer;
+  if (type != steps || slot >= RTC_MAX_TIME_STEP_COUNT) return;
+  if (geometry.steps.size() <= slot) geometry.steps.resize(slot + 1);
+  geometry.steps[slot] = buffer;
+}
+
+}  // namespace stbvh::preload
+
 using stbvh::preload::real;
+using stbvh::preload::record_buffer;
 using stbvh::preload::set_and_note;
 using stbvh::preload::set_and_record;
 using stbvh::preload::TrackedGeometry;
-
-namespace {
-
-void record_buffer(TrackedGeometry& geometry, RTCBufferType type, unsigned slot, const BoundBuffer& buffer) {
-  if (geometry.type != RTC_GEOMETRY_TYPE_TRIANGLE) return;
-  if (type == RTC_BUFFER_TYPE_INDEX) geometry.indices = buffer;
-  if (type != RTC_BUFFER_TYPE_VERTEX || slot >= RTC_MAX_TIME_STEP_COUNT) return;
-  if (geometry.vertices.size() <= slot) geometry.vertices.resize(slot + 1);
-  geometry.vertices[slot] = buffer;
-}
-
-}  // namespace
 
 extern "C" {
 
@@ -29,7 +37,7 @@ void rtcSetGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned slo
       [&] { real().rtcSetGeometryBuffer(geometry, type, slot, format, buffer, offset, stride, count); },
       [&](TrackedGeometry& g) {
         const char* const start = static_cast<const char*>(real().rtcGetBufferData(buffer));
-        record_buffer(g, type, slot, {start + offset, stride, count});
+        record_buffer(g, type, slot, {format, start + offset, stride, count});
       });
 }
 
@@ -39,7 +47,7 @@ void rtcSetSharedGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsign
       geometry,
       [&] { real().rtcSetSharedGeometryBuffer(geometry, type, slot, format, data, offset, stride, count); },
       [&](TrackedGeometry& g) {
-        record_buffer(g, type, slot, {static_cast<const char*>(data) + offset, stride, count});
+        record_buffer(g, type, slot, {format, static_cast<const char*>(data) + offset, stride, count});
       });
 }
 
@@ -49,7 +57,7 @@ void* rtcSetNewGeometryBuffer(RTCGeometry geometry, RTCBufferType type, unsigned
   set_and_record(
       geometry, [&] { data = real().rtcSetNewGeometryBuffer(geometry, type, slot, format, stride, count); },
       [&](TrackedGeometry& g) {
-        record_buffer(g, type, slot, {data, stride, count});
+        record_buffer(g, type, slot, {format, data, stride, count});
       });
   return data;
 }

@@ -12,14 +12,17 @@ using stbvh::preload::real;
 
 namespace {
 
-/// Embree 4 has the same names, but rays and callbacks of another kind. Embree 2 has no properties, and no
-/// function of this library's names but rtcNewDevice.
-bool is_embree3(RTCDevice device) {
+/// Other majors have the same names, but rays and callbacks of another kind. Embree 2 has no properties, and
+/// no function of this library's names but rtcNewDevice. Silent where the library for that major stands
+/// before the same program.
+bool is_our_major(RTCDevice device) {
   const auto property = real().rtcGetDeviceProperty;
   const auto major = property == nullptr ? 2 : property(device, RTC_DEVICE_PROPERTY_VERSION_MAJOR);
-  if (major == 3) return true;
-  std::fprintf(stderr, "libstbvh_preload: this is for Embree 3; everything is left to this Embree %d\n",
-               static_cast<int>(major));
+  if (major == RTC_VERSION_MAJOR) return true;
+  if (!stbvh::preload::is_loaded_for(major)) {
+    std::fprintf(stderr, "libstbvh_preload: this is for Embree %d; everything is left to this Embree %d\n",
+                 RTC_VERSION_MAJOR, static_cast<int>(major));
+  }
   return false;
 }
 
@@ -31,7 +34,7 @@ RTCDevice rtcNewDevice(const char* config) {
   const RTCDevice device = real().rtcNewDevice(config);
   if (device == nullptr) return device;
   try {
-    if (!stbvh::preload::environment().enabled || !is_embree3(device)) return device;
+    if (!stbvh::preload::environment().enabled || !is_our_major(device)) return device;
     stbvh::preload::track_device(device, config);
     stbvh::preload::report_statistics_at_exit();
     stbvh::preload::count_device();

@@ -60,7 +60,7 @@ void rtcSetGeometryTimeStepCount(RTCGeometry geometry, unsigned count) {
       geometry, [&] { real().rtcSetGeometryTimeStepCount(geometry, count); },
       [&](TrackedGeometry& g) {
         g.step_count = count;
-        g.vertices.resize(count);
+        g.steps.resize(count);
       });
 }
 

@@ -1,5 +1,6 @@
 /// Setters of geometries that are no triangle meshes: what instances show, and that anything changed at all.
 #include <algorithm>
+#include <utility>
 
 #include "plugin/preload/real_embree.h"
 #include "plugin/preload/recording.h"
@@ -7,9 +8,11 @@
 
 using stbvh::preload::InstanceTransform;
 using stbvh::preload::real;
+using stbvh::preload::scenes;
 using stbvh::preload::set_and_note;
 using stbvh::preload::set_and_record;
 using stbvh::preload::TrackedGeometry;
+using stbvh::preload::TrackedScene;
 
 namespace {
 
@@ -23,13 +26,10 @@ InstanceTransform& transform_of_step(TrackedGeometry& geometry, unsigned step) {
 extern "C" {
 
 void rtcSetGeometryInstancedScene(RTCGeometry geometry, RTCScene scene) {
-  std::shared_ptr<stbvh::preload::TrackedScene> before;  // let go of after Embree has
+  std::vector<std::shared_ptr<TrackedScene>> before;  // let go of after Embree has
   set_and_record(
       geometry, [&] { real().rtcSetGeometryInstancedScene(geometry, scene); },
-      [&](TrackedGeometry& g) {
-        before = std::move(g.instanced);
-        g.instanced = stbvh::preload::scenes().find(scene);
-      });
+      [&](TrackedGeometry& g) { before = std::exchange(g.instanced, {scenes().find(scene)}); });
 }
 
 void rtcSetGeometryTransform(RTCGeometry geometry, unsigned step, RTCFormat format, const void* transform) {

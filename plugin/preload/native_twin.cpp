@@ -2,33 +2,42 @@
 
 #include <tbb/task_arena.h>
 
-#include <atomic>
+#include <algorithm>
 #include <new>
 #include <utility>
 
 #include "plugin/preload/real_embree.h"
+#include "plugin/preload/scene_changes.h"
 #include "plugin/preload/statistics.h"
 #include "plugin/preload/tracked_scene.h"
 
 namespace stbvh::preload {
 namespace {
 
-std::atomic<std::uint64_t> scenes_epoch{1};
+bool shows_groups(const TrackedGeometry& instance);
 
 bool contains_groups(const TrackedScene& scene) {
   if (scene.has_group()) return true;
   for (const auto& [geom_id, attachment] : scene.attachments()) {
-    const TrackedGeometry* const geometry = attachment.geometry.get();
-    if (geometry != nullptr && geometry->instanced != nullptr && contains_groups(*geometry->instanced)) {
-      return true;
-    }
+    if (attachment.geometry != nullptr && shows_groups(*attachment.geometry)) return true;
   }
   return false;
 }
 
-void share_buffer(RTCGeometry copy, RTCBufferType type, unsigned slot, RTCFormat format,
-                  const BoundBuffer& buffer) {
-  real().rtcSetSharedGeometryBuffer(copy, type, slot, format, buffer.data, 0, buffer.stride, buffer.count);
+bool shows_groups(const TrackedGeometry& instance) {
+  return std::any_of(instance.instanced.begin(), instance.instanced.end(),
+                     [](const auto& scene) { return scene != nullptr && contains_groups(*scene); });
+}
+
+void share_buffer(RTCGeometry copy, RTCBufferType type, unsigned slot, const BoundBuffer& buffer) {
+  real().rtcSetSharedGeometryBuffer(copy, type, slot, buffer.format, buffer.data, 0, buffer.stride,
+                                    buffer.count);
+}
+
+void share_steps(RTCGeometry copy, RTCBufferType type, const TrackedGeometry& geometry) {
+  for (unsigned step = 0; step < geometry.step_count; ++step) {
+    share_buffer(copy, type, step, geometry.steps[step]);
+  }
 }
 
 void set_times(RTCGeometry copy, const TrackedGeometry& geometry) {
@@ -41,17 +50,38 @@ void set_times(RTCGeometry copy, const TrackedGeometry& geometry) {
 RTCGeometry copy_of_mesh(const TrackedGeometry& mesh) {
   const RTCGeometry copy = real().rtcNewGeometry(mesh.device, RTC_GEOMETRY_TYPE_TRIANGLE);
   set_times(copy, mesh);
-  share_buffer(copy, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, mesh.indices);
-  for (unsigned step = 0; step < mesh.step_count; ++step) {
-    share_buffer(copy, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT3, mesh.vertices[step]);
-  }
+  share_buffer(copy, RTC_BUFFER_TYPE_INDEX, 0, mesh.indices);
+  share_steps(copy, RTC_BUFFER_TYPE_VERTEX, mesh);
   real().rtcSetGeometryMask(copy, mesh.mask);
   return copy;
 }
 
+RTCScene twin_of(const std::shared_ptr<TrackedScene>& scene) {
+  return scene == nullptr ? nullptr : scene->twin().scene_to_ask(*scene);
+}
+
+#if defined(RTC_GEOMETRY_INSTANCE_ARRAY)
+
+RTCGeometry copy_of_instance_array(const TrackedGeometry& instances) {
+  const RTCGeometry copy = real().rtcNewGeometry(instances.device, instances.type);
+  std::vector<RTCScene> scenes;
+  for (const auto& scene : instances.instanced) scenes.push_back(twin_of(scene));
+  real().rtcSetGeometryInstancedScenes(copy, scenes.data(), scenes.size());
+  set_times(copy, instances);
+  if (instances.indices.data != nullptr) share_buffer(copy, RTC_BUFFER_TYPE_INDEX, 0, instances.indices);
+  share_steps(copy, RTC_BUFFER_TYPE_TRANSFORM, instances);
+  real().rtcSetGeometryMask(copy, instances.mask);
+  return copy;
+}
+
+#endif
+
 RTCGeometry copy_of_instance(const TrackedGeometry& instance) {
+#if defined(RTC_GEOMETRY_INSTANCE_ARRAY)
+  if (instance.type == RTC_GEOMETRY_TYPE_INSTANCE_ARRAY) return copy_of_instance_array(instance);
+#endif
   const RTCGeometry copy = real().rtcNewGeometry(instance.device, RTC_GEOMETRY_TYPE_INSTANCE);
-  real().rtcSetGeometryInstancedScene(copy, instance.instanced->twin().scene_to_ask(*instance.instanced));
+  real().rtcSetGeometryInstancedScene(copy, twin_of(instance.instanced.front()));
   set_times(copy, instance);
   for (unsigned step = 0; step < instance.transforms.size() && step < instance.step_count; ++step) {
     const InstanceTransform& transform = instance.transforms[step];
@@ -76,8 +106,7 @@ RTCGeometry stand_in(const Attachment& attachment) {
   RTCGeometry copy = nullptr;
   if (geometry != nullptr && geometry->is_taken_over()) {
     copy = copy_of_mesh(*geometry);
-  } else if (geometry != nullptr && geometry->instanced != nullptr && geometry->enabled &&
-             contains_groups(*geometry->instanced)) {
+  } else if (geometry != nullptr && geometry->enabled && shows_groups(*geometry)) {
     copy = copy_of_instance(*geometry);
   } else {
     real().rtcRetainGeometry(attachment.handle);
@@ -98,8 +127,10 @@ NativeTwin::~NativeTwin() {
 void NativeTwin::collect_origin(const TrackedScene& scene, Origin& origin) {
   origin.emplace_back(&scene, scene.commits());
   for (const auto& [geom_id, attachment] : scene.attachments()) {
-    const TrackedGeometry* const geometry = attachment.geometry.get();
-    if (geometry != nullptr && geometry->instanced != nullptr) collect_origin(*geometry->instanced, origin);
+    if (attachment.geometry == nullptr) continue;
+    for (const auto& instanced : attachment.geometry->instanced) {
+      if (instanced != nullptr) collect_origin(*instanced, origin);
+    }
   }
 }
 
@@ -136,7 +167,7 @@ RTCScene scene_to_ask(RTCScene scene) {
     RTCScene to_ask = nullptr;
   };
   thread_local Answer last;
-  const std::uint64_t epoch = scenes_epoch.load(std::memory_order_acquire);
+  const std::uint64_t epoch = scenes_epoch();
   if (last.scene == scene && last.epoch == epoch) return last.to_ask;
   const auto tracked = scenes().find(scene);
   try {
@@ -146,10 +177,6 @@ RTCScene scene_to_ask(RTCScene scene) {
     tracked->device()->raise_out_of_memory();
     return scene;
   }
-}
-
-void scenes_changed() {
-  scenes_epoch.fetch_add(1, std::memory_order_release);
 }
 
 }  // namespace stbvh::preload

@@ -1,12 +1,12 @@
 /// Scenes for the queries that a user geometry cannot answer.
 #pragma once
 
-#include <embree3/rtcore.h>
-
 #include <cstdint>
 #include <mutex>
 #include <utility>
 #include <vector>
+
+#include "plugin/embree_api.h"
 
 namespace stbvh::preload {
 
@@ -40,8 +40,5 @@ class NativeTwin {
 
 /// The scene to ask instead of `scene` for point queries and collisions. Quick from the second call on.
 RTCScene scene_to_ask(RTCScene scene);
-
-/// After anything that may change the answer of scene_to_ask.
-void scenes_changed();
 
 }  // namespace stbvh::preload

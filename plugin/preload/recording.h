@@ -31,4 +31,7 @@ void set_and_note(RTCGeometry geometry, Native&& native) {
   set_and_record(geometry, native, [](TrackedGeometry&) {});
 }
 
+/// Takes note of a buffer of a mesh, or of an instance array.
+void record_buffer(TrackedGeometry& geometry, RTCBufferType type, unsigned slot, const BoundBuffer& buffer);
+
 }  // namespace stbvh::preload

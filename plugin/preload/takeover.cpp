@@ -6,6 +6,7 @@
 
 #include "plugin/preload/environment.h"
 #include "plugin/preload/real_embree.h"
+#include "plugin/preload/scene_changes.h"
 #include "plugin/preload/statistics.h"
 #include "plugin/preload/tracked_scene.h"
 #include "stbvh/stbvh_embree.h"
@@ -30,7 +31,7 @@ GroupSettings TrackedScene::group_settings() const {
   const RTCSceneFlags flags = real().rtcGetSceneFlags(handle_);
   const Preset preset = environment().preset;
   GroupSettings settings;
-  settings.runs_context_filters = (flags & RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION) != 0;
+  settings.runs_query_filters = (flags & plugin::kSceneTakesQueryFilters) != 0;
   if (preset == Preset::kCompact) settings.build.inline_share = STBVH_INLINE_SHARE_COMPACT;
   if (preset == Preset::kFast && (flags & RTC_SCENE_FLAG_ROBUST) == 0) {
     settings.build.precision = Precision::kFast;
@@ -47,18 +48,26 @@ TrackedScene::Plan TrackedScene::make_plan() const {
     const std::shared_ptr<TrackedGeometry>& geometry = attachment.geometry;
     if (geometry == nullptr) {
       plan.is_certain = false;
+      plan.has_others = true;
       continue;
     }
     plan.contents.insert(plan.contents.end(), {geom_id, geometry->version});
     // What Embree refuses shall be refused by Embree.
     if (geometry->enabled && !geometry->committed) plan.is_certain = false;
-    if (geometry->instanced != nullptr) plan.contents.push_back(geometry->instanced->commits());
-    if (geometry->type != RTC_GEOMETRY_TYPE_TRIANGLE) continue;
-    StaysNative reason = geometry->why_native();
-    if (reason == StaysNative::kNone && !device_->is_plain()) reason = StaysNative::kDevice;
-    plan.meshes.emplace_back(geometry, reason);
-    if (reason == StaysNative::kNone && geometry->enabled) {
+    for (const auto& instanced : geometry->instanced) {
+      if (instanced != nullptr) plan.contents.push_back(instanced->commits());
+    }
+    StaysNative reason = StaysNative::kNone;
+    if (geometry->type == RTC_GEOMETRY_TYPE_TRIANGLE) {
+      reason = geometry->why_native();
+      if (reason == StaysNative::kNone) reason = device_->why_native();
+      plan.meshes.emplace_back(geometry, reason);
+    }
+    if (!geometry->enabled) continue;
+    if (geometry->type == RTC_GEOMETRY_TYPE_TRIANGLE && reason == StaysNative::kNone) {
       plan.members.push_back({geom_id, geometry, geometry->version});
+    } else {
+      plan.has_others = true;
     }
   }
   return plan;
@@ -119,6 +128,7 @@ TrackedScene::Next TrackedScene::carry_out(const Plan& plan, CommitTurns::Turn& 
   attach_proxy();
   group_->set_enabled(true);
   has_group_ = true;
+  has_others_ = plan.has_others;
   contents_ = plan.contents;
   return Next::kForward;
 }
@@ -161,10 +171,12 @@ void TrackedScene::forward(bool join) {
   const std::lock_guard lock(mutex_);
   is_clean_ = !watch.failed();
   commits_ = unique_number();
-  scenes_changed();
 }
 
 void TrackedScene::commit(bool join) {
+  struct AtTheEnd {
+    ~AtTheEnd() { scenes_changed(); }
+  } at_the_end;
   try {
     Next next;
     {

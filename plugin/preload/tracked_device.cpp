@@ -4,11 +4,13 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <cstdio>
 #include <new>
 #include <string>
 #include <string_view>
 #include <unordered_map>
 
+#include "plugin/options_trial.h"
 #include "plugin/preload/real_embree.h"
 #include "plugin/preload/unique_number.h"
 
@@ -27,6 +29,8 @@ struct ThreadErrors {
   std::array<PendingError, kMostPending> pending;  ///< the latest in front, RTC_ERROR_NONE behind the last
   unsigned reported = 0;
   unsigned muted = 0;
+  std::uint64_t message_of = 0;  ///< the device whose latest error is ours
+  std::array<char, 128> message{};
 };
 
 thread_local ThreadErrors thread_errors;
@@ -66,6 +70,7 @@ RTCError take_native_error(RTCDevice device) {
   }
 }
 
+/// Whether triangles are hit as our structure hits them: masks and filters count, backs are hit.
 bool hits_as_we_do(RTCDevice device) {
   const auto property = [&](RTCDeviceProperty which) { return real().rtcGetDeviceProperty(device, which); };
   return property(RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) != 0 &&
@@ -74,13 +79,22 @@ bool hits_as_we_do(RTCDevice device) {
          property(RTC_DEVICE_PROPERTY_USER_GEOMETRY_SUPPORTED) != 0;
 }
 
+StaysNative why_native(RTCDevice device) {
+  if (!hits_as_we_do(device)) return StaysNative::kDevice;
+#if RTC_VERSION_MAJOR >= 4
+  static const bool kKeepsOptions = plugin::finds_options_behind_arguments<real>(device);
+  if (!kKeepsOptions) return StaysNative::kQueryOptions;
+#endif
+  return StaysNative::kNone;
+}
+
 }  // namespace
 
 TrackedDevice::TrackedDevice(RTCDevice handle, int thread_limit)
     : serial_(unique_number()),
       handle_(handle),
       thread_limit_(thread_limit),
-      is_plain_(hits_as_we_do(handle)) {}
+      why_native_(preload::why_native(handle)) {}
 
 void TrackedDevice::set_error_function(RTCErrorFunction function, void* user_ptr) {
   const std::lock_guard lock(mutex_);
@@ -106,6 +120,8 @@ void TrackedDevice::raise(RTCError code, const char* message) {
   tell(code, message);
   const RTCError earlier = take_native_error(handle_);
   keep_pending(*this, earlier != RTC_ERROR_NONE ? earlier : code);
+  thread_errors.message_of = serial_;
+  std::snprintf(thread_errors.message.data(), thread_errors.message.size(), "%s", message);
 }
 
 bool TrackedDevice::report_memory(ssize_t bytes) {
@@ -119,7 +135,9 @@ bool TrackedDevice::report_memory(ssize_t bytes) {
 
 void TrackedDevice::on_error(void* device, RTCError code, const char* message) {
   ++thread_errors.reported;
-  if (thread_errors.muted == 0) static_cast<TrackedDevice*>(device)->tell(code, message);
+  if (thread_errors.muted != 0) return;
+  thread_errors.message_of = 0;
+  static_cast<TrackedDevice*>(device)->tell(code, message);
 }
 
 std::shared_ptr<TrackedDevice> find_device(RTCDevice handle) {
@@ -163,6 +181,12 @@ RTCError take_pending_error(RTCDevice handle) {
   std::move(found + 1, pending.data() + pending.size(), found);
   pending.back() = {};
   return code;
+}
+
+const char* own_error_message(RTCDevice handle) {
+  const auto device = thread_errors.message_of == 0 ? nullptr : find_device(handle);
+  const bool is_own = device != nullptr && device->serial() == thread_errors.message_of;
+  return is_own ? thread_errors.message.data() : nullptr;
 }
 
 ErrorWatch::ErrorWatch() : seen_(thread_errors.reported) {}

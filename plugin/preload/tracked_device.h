@@ -1,13 +1,15 @@
 /// Errors and memory of a device, as Embree reports them.
 #pragma once
 
-#include <embree3/rtcore.h>
 #include <sys/types.h>
 
 #include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <mutex>
+
+#include "plugin/embree_api.h"
+#include "plugin/preload/stays_native.h"
 
 namespace stbvh::preload {
 
@@ -22,8 +24,8 @@ class TrackedDevice {
   /// Threads that may build; 0: all.
   int thread_limit() const { return thread_limit_; }
 
-  /// Whether triangles are hit as our structure hits them: masks and filters count, backs are hit.
-  bool is_plain() const { return is_plain_; }
+  /// Why all meshes of this Embree stay with it; kNone: they do not.
+  StaysNative why_native() const { return why_native_; }
 
   void set_error_function(RTCErrorFunction function, void* user_ptr);
   void set_memory_monitor(RTCMemoryMonitorFunction function, void* user_ptr);
@@ -46,7 +48,7 @@ class TrackedDevice {
   const std::uint64_t serial_;
   const RTCDevice handle_;
   const int thread_limit_;
-  const bool is_plain_;
+  const StaysNative why_native_;
   std::mutex mutex_;
   RTCErrorFunction error_function_ = nullptr;
   void* error_user_ptr_ = nullptr;
@@ -65,6 +67,9 @@ int thread_limit_of(const char* config);
 
 /// An error of ours that this thread has not asked for, taken away; RTC_ERROR_NONE without one.
 RTCError take_pending_error(RTCDevice handle);
+
+/// What the latest error of this thread and device says, if it is one of ours; else null.
+const char* own_error_message(RTCDevice handle);
 
 /// Whether Embree reported an error to this thread since this was made.
 class ErrorWatch {

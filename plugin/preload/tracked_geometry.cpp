@@ -16,28 +16,6 @@ bool is_bound(RTCGeometry geometry, RTCBufferType type, unsigned slot, const Bou
 
 }  // namespace
 
-const char* describe(StaysNative reason) {
-  switch (reason) {
-    case StaysNative::kNone:
-      return "taken over";
-    case StaysNative::kOneStep:
-      return "one time step";
-    case StaysNative::kUncommitted:
-      return "changed and not committed";
-    case StaysNative::kBuffers:
-      return "buffers missing, not alike or not readable";
-    case StaysNative::kTimeRange:
-      return "time range empty, next to empty or not finite";
-    case StaysNative::kTooLarge:
-      return "too large";
-    case StaysNative::kNoMemory:
-      return "no memory to follow it";
-    case StaysNative::kDevice:
-      return "Embree without ray masks or filters, or with backface culling";
-  }
-  return "";
-}
-
 Registry<RTCGeometry, TrackedGeometry>& geometries() {
   static auto* const kGeometries = new Registry<RTCGeometry, TrackedGeometry>;  // outlives what runs at exit
   return *kGeometries;
@@ -90,33 +68,32 @@ StaysNative TrackedGeometry::why_native() const {
 }
 
 bool TrackedGeometry::has_buffers() const {
-  if (vertices.size() < step_count) return false;
+  if (steps.size() < step_count) return false;
   if (!is_bound(handle, RTC_BUFFER_TYPE_INDEX, 0, indices)) return false;
   for (unsigned step = 0; step < step_count; ++step) {
-    if (!is_bound(handle, RTC_BUFFER_TYPE_VERTEX, step, vertices[step])) return false;
+    if (!is_bound(handle, RTC_BUFFER_TYPE_VERTEX, step, steps[step])) return false;
     // Embree wants them alike, and says so where they are not.
-    if (vertices[step].count != vertices[0].count || vertices[step].stride != vertices[0].stride)
-      return false;
+    if (steps[step].count != steps[0].count || steps[step].stride != steps[0].stride) return false;
   }
   return true;
 }
 
 /// One mesh that the build refuses would take all others of the scene with it.
 bool TrackedGeometry::can_be_built() const {
-  std::vector<VertexBufferView> steps;
-  return problem_of(view(steps)) == nullptr;
+  std::vector<VertexBufferView> vertices;
+  return problem_of(view(vertices)) == nullptr;
 }
 
-MeshView TrackedGeometry::view(std::vector<VertexBufferView>& steps) const {
-  steps.clear();
-  for (const BoundBuffer& step : std::span(vertices).first(step_count)) {
-    steps.push_back({step.data, step.count, step.stride});
+MeshView TrackedGeometry::view(std::vector<VertexBufferView>& vertices) const {
+  vertices.clear();
+  for (const BoundBuffer& step : std::span(steps).first(step_count)) {
+    vertices.push_back({step.data, step.count, step.stride});
   }
   MeshView view;
   view.indices = indices.data;
   view.triangle_count = indices.count;
   view.index_stride = indices.stride;
-  view.steps = steps;
+  view.steps = vertices;
   view.time_range = time_range;
   view.mask = mask;
   return view;

@@ -1,8 +1,6 @@
 /// What the application said of a geometry.
 #pragma once
 
-#include <embree3/rtcore.h>
-
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -10,7 +8,9 @@
 #include <mutex>
 #include <vector>
 
+#include "plugin/embree_api.h"
 #include "plugin/preload/registry.h"
+#include "plugin/preload/stays_native.h"
 #include "plugin/preload/unique_number.h"
 #include "stbvh/mesh_view.h"
 
@@ -20,6 +20,7 @@ class TrackedScene;
 
 /// A buffer as it was bound; its contents are read at commit.
 struct BoundBuffer {
+  RTCFormat format = RTC_FORMAT_UNDEFINED;
   const void* data = nullptr;
   std::size_t stride = 0;
   std::size_t count = 0;
@@ -32,13 +33,6 @@ struct InstanceTransform {
   std::array<float, 16> matrix{};
   RTCQuaternionDecomposition quaternion{};
 };
-
-/// Why a triangle mesh stays with Embree; kNone: it does not.
-enum class StaysNative { kNone, kOneStep, kUncommitted, kBuffers, kTimeRange, kTooLarge, kDevice, kNoMemory };
-inline constexpr std::size_t kStaysNativeCount = 8;
-
-/// In a few words, for statistics.
-const char* describe(StaysNative reason);
 
 /// All kinds of geometries are tracked, for the sake of knowing whether a scene changed; triangle meshes and
 /// instances in full. As in Embree, setters of one geometry are for one thread at a time.
@@ -65,8 +59,8 @@ class TrackedGeometry {
   /// Does not look at whether it is enabled, nor at the device.
   StaysNative why_native() const;
 
-  /// As the kernels take it, for a mesh that does not stay native; `steps` becomes what it points to.
-  MeshView view(std::vector<VertexBufferView>& steps) const;
+  /// As the kernels take it, for a mesh that does not stay native; `vertices` becomes what it points to.
+  MeshView view(std::vector<VertexBufferView>& vertices) const;
 
   const RTCGeometry handle;
   const RTCGeometryType type;
@@ -74,15 +68,16 @@ class TrackedGeometry {
 
   unsigned step_count = 1;
   TimeRange time_range;
-  unsigned mask = 0xFFFFFFFFu;
+  unsigned mask = STBVH_DEFAULT_MASK;
   RTCFilterFunctionN intersect_filter = nullptr;
   RTCFilterFunctionN occluded_filter = nullptr;
+  bool takes_query_filters = false;  ///< also of queries that have none for all meshes
   RTCPointQueryFunction point_query = nullptr;
-  BoundBuffer indices;
-  std::vector<BoundBuffer> vertices;  ///< by step
+  BoundBuffer indices;             ///< of an instance array: which scene each shows, if not the only one
+  std::vector<BoundBuffer> steps;  ///< vertices, or transformations of an instance array
 
-  std::shared_ptr<TrackedScene> instanced;
-  std::vector<InstanceTransform> transforms;  ///< by step
+  std::vector<std::shared_ptr<TrackedScene>> instanced;  ///< null: not created through this library
+  std::vector<InstanceTransform> transforms;             ///< of an instance, by step
 
   bool enabled = true;
   bool committed = false;

@@ -3,6 +3,7 @@
 #include <new>
 
 #include "plugin/preload/real_embree.h"
+#include "plugin/preload/scene_changes.h"
 
 namespace stbvh::preload {
 
@@ -24,6 +25,11 @@ Attachments TrackedScene::attachments() const {
 bool TrackedScene::has_group() const {
   const std::lock_guard lock(mutex_);
   return has_group_;
+}
+
+const plugin::Published* TrackedScene::answers_alone() const {
+  const std::lock_guard lock(mutex_);
+  return has_group_ && is_clean_ && !has_others_ ? group_->published() : nullptr;
 }
 
 std::uint64_t TrackedScene::commits() const {

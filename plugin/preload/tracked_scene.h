@@ -1,8 +1,6 @@
 /// A scene of the application, and what of it our structure answers.
 #pragma once
 
-#include <embree3/rtcore.h>
-
 #include <map>
 #include <memory>
 #include <mutex>
@@ -10,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "plugin/embree_api.h"
 #include "plugin/preload/commit_turns.h"
 #include "plugin/preload/group.h"
 #include "plugin/preload/native_twin.h"
@@ -54,6 +53,8 @@ class TrackedScene {
   Attachments attachments() const;
   /// Whether a structure of ours answers for meshes attached to this very scene.
   bool has_group() const;
+  /// What answers for the whole scene, without Embree; null where that is not so.
+  const plugin::Published* answers_alone() const;
   /// Another number after each commit that may have changed something.
   std::uint64_t commits() const;
   NativeTwin& twin() { return twin_; }
@@ -64,6 +65,7 @@ class TrackedScene {
     std::vector<std::pair<std::shared_ptr<TrackedGeometry>, StaysNative>> meshes;  ///< triangle meshes
     std::vector<Member> members;
     std::size_t attached = 0;
+    bool has_others = false;              ///< that Embree answers for
     std::vector<std::uint64_t> contents;  ///< IDs and versions of everything
     bool is_certain = true;               ///< equal `contents` mean that nothing has changed
   };
@@ -96,6 +98,7 @@ class TrackedScene {
   Attachments attachments_;
   std::optional<unsigned> proxy_id_;
   bool has_group_ = false;
+  bool has_others_ = false;
   RTCProgressMonitorFunction progress_ = nullptr;
   void* progress_user_ptr_ = nullptr;
   double own_share_ = 0;  ///< of the progress of the commit under way

@@ -64,7 +64,7 @@ Device new_device() {
 
 Scene new_scene(const Device& device) {
   Scene scene(rtcNewScene(device.get()));
-  rtcSetSceneFlags(scene.get(), kQueryFilters);
+  rtcSetSceneFlags(scene.get(), kSceneTakesQueryFilters);
   return scene;
 }
 

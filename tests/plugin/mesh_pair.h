@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "tests/plugin/queries.h"
+#include "tests/queries.h"
 #include "tests/random.h"
 
 namespace stbvh::test {

@@ -255,10 +255,8 @@ TEST(PreloadContents, RandomEditsLeaveWhatEmbreeWouldShow) {
     const std::vector<RTCRayHit> rays = random_rays(static_cast<std::uint32_t>(round), 100);
     for (RTCRayHit own : rays) {
       RTCRayHit reference = own;
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      rtcIntersect1(twice.our_scene, &context, &own);
-      rtcIntersect1(twice.native_scene, &context, &reference);
+      intersect_one(twice.our_scene, own);
+      intersect_one(twice.native_scene, reference);
       expect_same_hit(own, reference);
     }
   }

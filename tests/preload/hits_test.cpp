@@ -51,16 +51,14 @@ TEST(PreloadHits, NoneForRaysThatLeaveALargeGround) {
       ray.ray.dir_x = random.between(-1, 1);
       ray.ray.dir_y = random.between(1e-6f, 1);
       ray.ray.dir_z = random.between(-1, 1);
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      rtcIntersect1(twice.our_scene, &context, &ray);
+      intersect_one(twice.our_scene, ray);
       ASSERT_EQ(ray.hit.geomID, RTC_INVALID_GEOMETRY_ID) << size;
     }
   }
 }
 
-/// Members of a ray and its hit, each 4 bytes; in a packet each lies `size` times side by side.
-constexpr unsigned kMembers = 12 + 7 + RTC_MAX_INSTANCE_LEVEL_COUNT;
+/// Of a ray and its hit; in a packet each lies `size` times side by side.
+constexpr unsigned kMembers = test::kRayHitMembers;
 
 template <typename Packet, unsigned kSize>
 void put(Packet& packet, unsigned lane, const RTCRayHit& ray) {
@@ -81,8 +79,7 @@ RTCRayHit get(const Packet& packet, unsigned lane) {
 }
 
 template <typename Packet, unsigned kSize>
-void expect_same_packets(const Twice& twice,
-                         void (*intersect)(const int*, RTCScene, RTCIntersectContext*, Packet*)) {
+void expect_same_packets(const Twice& twice) {
   const std::vector<RTCRayHit> rays = random_rays(17, 64 * kSize);
   Random random(5);
   for (unsigned first = 0; first < rays.size(); first += kSize) {
@@ -92,10 +89,8 @@ void expect_same_packets(const Twice& twice,
       valid[i] = random.unit() < 0.7f ? -1 : 0;
       for (Packet& packet : packets) put<Packet, kSize>(packet, i, rays[first + i]);
     }
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    intersect(valid, twice.our_scene, &context, &packets[0]);
-    intersect(valid, twice.native_scene, &context, &packets[1]);
+    intersect_packet(valid, twice.our_scene, packets[0]);
+    intersect_packet(valid, twice.native_scene, packets[1]);
     for (unsigned i = 0; i < kSize; ++i) {
       const RTCRayHit hit = get<Packet, kSize>(packets[0], i);
       expect_same_hit(hit, get<Packet, kSize>(packets[1], i));
@@ -110,10 +105,12 @@ TEST(PreloadHits, OfPacketsWithInactiveLanes) {
   Twice twice;
   for (const Mesh& mesh : f.meshes) twice.add(mesh);
   twice.commit();
-  expect_same_packets<RTCRayHit4, 4>(twice, rtcIntersect4);
-  expect_same_packets<RTCRayHit8, 8>(twice, rtcIntersect8);
-  expect_same_packets<RTCRayHit16, 16>(twice, rtcIntersect16);
+  expect_same_packets<RTCRayHit4, 4>(twice);
+  expect_same_packets<RTCRayHit8, 8>(twice);
+  expect_same_packets<RTCRayHit16, 16>(twice);
 }
+
+#if RTC_VERSION_MAJOR < 4
 
 TEST(PreloadHits, OfStreams) {
   const FourMeshes f;
@@ -127,6 +124,8 @@ TEST(PreloadHits, OfStreams) {
   rtcIntersect1M(twice.native_scene, &context, reference.data(), 3000, sizeof(RTCRayHit));
   for (unsigned i = 0; i < own.size(); ++i) expect_same_hit(own[i], reference[i]);
 }
+
+#endif
 
 TEST(PreloadHits, MasksAreThoseOfTheMeshes) {
   Mesh near = flat_triangle(0), far = flat_triangle(1);
@@ -162,7 +161,7 @@ TEST(PreloadHits, OutsideItsTimeRangeAMeshIsInvisible) {
 
 /// The application's own members behind Embree's, which filters of tutorials reach by a cast.
 struct WideContext {
-  RTCIntersectContext context;
+  test::QueryContext context;
   std::vector<unsigned> seen;  ///< geomIDs of candidates
 };
 struct alignas(16) WideRay {
@@ -204,14 +203,14 @@ class Filters : public ::testing::Test {
   }
 
   WideRay trace(RTCScene scene, int rejected, bool occluded, WideContext& context) {
-    rtcInitIntersectContext(&context.context);
+    context.context = test::new_context();
     WideRay ray;
     ray.ray_hit = ray_along_z(0, 0, 0.3f);
     ray.accept_from = rejected;
     if (occluded) {
-      rtcOccluded1(scene, &context.context, &ray.ray_hit.ray);
+      occluded_one(scene, ray.ray_hit.ray, {.context = &context.context});
     } else {
-      rtcIntersect1(scene, &context.context, &ray.ray_hit);
+      intersect_one(scene, ray.ray_hit, {.context = &context.context});
     }
     return ray;
   }
@@ -252,22 +251,19 @@ void reject_all(const RTCFilterFunctionNArguments* arguments) {
   for (unsigned i = 0; i < arguments->N; ++i) arguments->valid[i] = 0;
 }
 
-TEST(PreloadFilters, OfTheContextRunOnlyWhereTheSceneAsksForThem) {
+TEST(PreloadFilters, OfQueriesRunOnlyWhereTheSceneAsksForThem) {
   const Mesh mesh = flat_triangle(0);
   for (const bool asks : {false, true}) {
     Twice twice;
     twice.both([&](const Embree& embree, RTCDevice, RTCScene scene) {
-      embree.rtcSetSceneFlags(scene, asks ? RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION : RTC_SCENE_FLAG_NONE);
+      embree.rtcSetSceneFlags(scene, asks ? test::kSceneTakesQueryFilters : RTC_SCENE_FLAG_NONE);
     });
     twice.add(mesh);
     twice.commit();
     for (const RTCScene scene : {twice.our_scene, twice.native_scene}) {
       if (scene == twice.native_scene && !asks) continue;  // Debian's Embree stops in an assertion
-      RTCIntersectContext context;
-      rtcInitIntersectContext(&context);
-      context.filter = reject_all;
       RTCRayHit ray = ray_along_z(0, 0, 0.5f);
-      rtcIntersect1(scene, &context, &ray);
+      intersect_one(scene, ray, {.filter = reject_all});
       EXPECT_EQ(ray.hit.geomID == RTC_INVALID_GEOMETRY_ID, asks);
     }
   }

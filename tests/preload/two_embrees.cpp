@@ -152,6 +152,9 @@ void expect_same_hit(const RTCRayHit& own, const RTCRayHit& reference) {
   if (reference.hit.geomID == RTC_INVALID_GEOMETRY_ID) return;
   ASSERT_EQ(own.hit.primID, reference.hit.primID);
   ASSERT_EQ(own.hit.instID[0], reference.hit.instID[0]);
+#if defined(RTC_GEOMETRY_INSTANCE_ARRAY)
+  ASSERT_EQ(own.hit.instPrimID[0], reference.hit.instPrimID[0]);
+#endif
   EXPECT_TRUE(close(own.ray.tfar, reference.ray.tfar, reference.ray.tfar));
   const float size =
       std::fabs(reference.hit.Ng_x) + std::fabs(reference.hit.Ng_y) + std::fabs(reference.hit.Ng_z);
@@ -166,17 +169,14 @@ void expect_same_hits(RTCScene our_scene, RTCScene native_scene, const std::vect
   std::size_t hit_count = 0;
   for (const RTCRayHit& ray : rays) {
     RTCRayHit own = ray, reference = ray;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(our_scene, &context, &own);
-    rtcInitIntersectContext(&context);
-    rtcIntersect1(native_scene, &context, &reference);
+    intersect_one(our_scene, own);
+    intersect_one(native_scene, reference);
     expect_same_hit(own, reference);
     if (::testing::Test::HasFatalFailure()) return;
     hit_count += reference.hit.geomID != RTC_INVALID_GEOMETRY_ID ? 1 : 0;
     RTCRay own_shadow = ray.ray, reference_shadow = ray.ray;
-    rtcOccluded1(our_scene, &context, &own_shadow);
-    rtcOccluded1(native_scene, &context, &reference_shadow);
+    occluded_one(our_scene, own_shadow);
+    occluded_one(native_scene, reference_shadow);
     ASSERT_EQ(own_shadow.tfar, reference_shadow.tfar);
   }
   EXPECT_GE(hit_count * 10, rays.size());
@@ -198,17 +198,13 @@ RTCRayHit ray_along_z(float x, float y, float time) {
 bool hits(RTCScene scene, float x, float y, float time, unsigned mask) {
   RTCRayHit r = ray_along_z(x, y, time);
   r.ray.mask = mask;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcOccluded1(scene, &context, &r.ray);
+  occluded_one(scene, r.ray);
   return r.ray.tfar < 0;
 }
 
 unsigned geom_id_hit(RTCScene scene, float x, float y, float time) {
   RTCRayHit r = ray_along_z(x, y, time);
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(scene, &context, &r);
+  intersect_one(scene, r);
   return r.hit.geomID;
 }
 

@@ -1,17 +1,16 @@
 /// The same scene twice: through the preload library, and in Embree alone.
 ///
 /// The tests have the preload library's functions in the program itself, so that they come before Embree's,
-/// as under LD_PRELOAD; Embree's own are looked up behind them. Functions that trace rays are Embree's in
-/// both.
+/// as under LD_PRELOAD; Embree's own are looked up behind them. Rays find out by their scene whose they are.
 #pragma once
 
-#include <embree3/rtcore.h>
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <functional>
 #include <vector>
 
+#include "tests/queries.h"
 #include "tests/random.h"
 
 namespace stbvh::preload_test {
@@ -27,6 +26,9 @@ const Embree& ours();
 /// Embree itself.
 const Embree& native();
 
+using test::intersect_one;
+using test::intersect_packet;
+using test::occluded_one;
 using test::Random;
 
 struct Position {

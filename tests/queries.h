@@ -8,6 +8,7 @@
 
 namespace stbvh::test {
 
+using plugin::kSceneTakesQueryFilters;
 using plugin::new_context;
 using plugin::QueryContext;
 
@@ -32,8 +33,6 @@ struct QueryOptions {
 };
 
 #if RTC_VERSION_MAJOR >= 4
-
-constexpr RTCSceneFlags kQueryFilters = RTC_SCENE_FLAG_FILTER_FUNCTION_IN_ARGUMENTS;
 
 /// The arguments of one query, or none.
 template <typename Arguments, void (*kInitialise)(Arguments*)>
@@ -87,8 +86,6 @@ inline void occluded_one(StbvhGeometry geometry, RTCRay& ray, const QueryOptions
   }
 
 #else
-
-constexpr RTCSceneFlags kQueryFilters = RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION;
 
 /// The context of one query: the application's with what the query brings, or a plain one.
 class ContextOf {

@@ -1,0 +1,154 @@
+/// Rays. An application may bring the callback of all user geometries with a ray, and would be asked for ours
+/// then. And where a scene holds nothing that is not ours, Embree need not be asked.
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+#include "plugin/preload/group.h"
+#include "plugin/preload/real_embree.h"
+#include "plugin/preload/scene_changes.h"
+#include "plugin/preload/tracked_scene.h"
+
+namespace stbvh::preload {
+namespace {
+
+using plugin::Published;
+
+/// What answers for all of the scene, or null: as this thread found it out when it last asked.
+const Published* answers_alone(RTCScene scene) {
+  struct Answer {
+    RTCScene scene = nullptr;
+    std::uint64_t epoch = 0;
+    const Published* published = nullptr;
+  };
+  // A few, for threads that trace several scenes in turns.
+  constexpr unsigned kBits = 3;
+  thread_local std::array<Answer, 1u << kBits> answers;
+  const auto hash = reinterpret_cast<std::uintptr_t>(scene) * std::uintptr_t{0x9E3779B97F4A7C15};
+  Answer& answer = answers[hash >> (64 - kBits)];
+  const std::uint64_t epoch = scenes_epoch();
+  if (answer.scene != scene || answer.epoch != epoch) {
+    const auto tracked = scenes().find(scene);
+    answer = {scene, epoch, tracked == nullptr ? nullptr : tracked->answers_alone()};
+  }
+  return answer.published;
+}
+
+struct Closest {
+  using Options = RTCIntersectArguments;
+  using Arguments = RTCIntersectFunctionNArguments;
+  using Rays = RTCRayHitN;
+  using Function = RTCIntersectFunctionN;
+  static constexpr auto kInitialise = rtcInitIntersectArguments;
+  static Function& function_of(Options& options) { return options.intersect; }
+  static void call_ours(const Arguments* arguments) { group_callbacks().intersect(arguments); }
+};
+
+struct Any {
+  using Options = RTCOccludedArguments;
+  using Arguments = RTCOccludedFunctionNArguments;
+  using Rays = RTCRayN;
+  using Function = RTCOccludedFunctionN;
+  static constexpr auto kInitialise = rtcInitOccludedArguments;
+  static Function& function_of(Options& options) { return options.occluded; }
+  static void call_ours(const Arguments* arguments) { group_callbacks().occluded(arguments); }
+};
+
+/// The options of a query whose callback for user geometries is the application's, with ours in its place.
+template <typename Query>
+struct Rerouted : Query::Options {
+  explicit Rerouted(typename Query::Options& given)
+      : Query::Options(given), application(Query::function_of(given)) {
+    Query::function_of(*this) = call;
+  }
+
+  /// Embree's callback for all user geometries.
+  static void call(const typename Query::Arguments* arguments) {
+    if (is_group(arguments->geometryUserPtr)) return Query::call_ours(arguments);
+    const auto& options = plugin::options_behind<typename Query::Options>(arguments);
+    static_cast<const Rerouted&>(options).application(arguments);
+  }
+
+  float min_width_distance_factor = 0;  ///< read by an Embree that was built with RTC_MIN_WIDTH
+  typename Query::Function application;
+};
+
+/// Answers as Embree would when it asked `published` alone.
+template <typename Query>
+void ask(const Published& published, const int* valid, void* rays, unsigned size,
+         typename Query::Options* options) {
+  static const typename Query::Options kPlain = [] {
+    typename Query::Options plain;
+    Query::kInitialise(&plain);
+    return plain;
+  }();
+  plugin::QueryContext plain_context = plugin::new_context();
+  plugin::ArgumentsWithOptions<typename Query::Arguments, typename Query::Options> arguments{};
+  arguments.options = options == nullptr ? &kPlain : options;
+  auto& a = arguments.arguments;
+  a.valid = const_cast<int*>(valid);
+  a.geometryUserPtr = const_cast<Published*>(&published);
+  a.context = arguments.options->context == nullptr ? &plain_context : arguments.options->context;
+  if constexpr (std::is_same_v<Query, Closest>) {
+    a.rayhit = static_cast<RTCRayHitN*>(rays);
+  } else {
+    a.ray = static_cast<RTCRayN*>(rays);
+  }
+  a.N = size;
+  Query::call_ours(&a);
+}
+
+/// A query of `size` rays; `native` is Embree's own, with the options that it is given.
+template <typename Query, typename Native>
+void query(const int* valid, void* scene, void* rays, unsigned size, typename Query::Options* options,
+           Native&& native) {
+  if (!had_groups()) return native(options);
+  if (const Published* const published = answers_alone(static_cast<RTCScene>(scene))) {
+    return ask<Query>(*published, valid, rays, size, options);
+  }
+  const bool is_applications = options != nullptr && Query::function_of(*options) != nullptr &&
+                               Query::function_of(*options) != Rerouted<Query>::call;
+  if (!is_applications) return native(options);
+  Rerouted<Query> rerouted(*options);
+  native(&rerouted);
+}
+
+constexpr int kValid = -1;
+
+}  // namespace
+}  // namespace stbvh::preload
+
+using stbvh::preload::Any;
+using stbvh::preload::Closest;
+using stbvh::preload::kValid;
+using stbvh::preload::query;
+using stbvh::preload::real;
+
+// Later versions of Embree 4 have two functions for each query, of which the second takes what is the scene
+// on CPUs.
+#define STBVH_ONE_RAY(Query, name, Ray, Handle, Options)                                                    \
+  void name(Handle scene, Ray* ray, Options* options) {                                                     \
+    query<Query>(&kValid, scene, ray, 1, options, [&](Options* given) { real().name(scene, ray, given); }); \
+  }
+#define STBVH_PACKET(Query, name, Rays, N, Handle, Options)                        \
+  void name(const int* valid, Handle scene, Rays* rays, Options* options) {        \
+    query<Query>(valid, scene, rays, N, options,                                   \
+                 [&](Options* given) { real().name(valid, scene, rays, given); }); \
+  }
+#define STBVH_PACKETS(N)                                                                                    \
+  STBVH_PACKET(Closest, rtcIntersect##N, RTCRayHit##N, N, RTCScene, RTCIntersectArguments)                  \
+  STBVH_PACKET(Closest, rtcTraversableIntersect##N, RTCRayHit##N, N, RTCTraversable, RTCIntersectArguments) \
+  STBVH_PACKET(Any, rtcOccluded##N, RTCRay##N, N, RTCScene, RTCOccludedArguments)                           \
+  STBVH_PACKET(Any, rtcTraversableOccluded##N, RTCRay##N, N, RTCTraversable, RTCOccludedArguments)
+
+extern "C" {
+
+STBVH_ONE_RAY(Closest, rtcIntersect1, RTCRayHit, RTCScene, RTCIntersectArguments)
+STBVH_ONE_RAY(Closest, rtcTraversableIntersect1, RTCRayHit, RTCTraversable, RTCIntersectArguments)
+STBVH_ONE_RAY(Any, rtcOccluded1, RTCRay, RTCScene, RTCOccludedArguments)
+STBVH_ONE_RAY(Any, rtcTraversableOccluded1, RTCRay, RTCTraversable, RTCOccludedArguments)
+STBVH_PACKETS(4)
+STBVH_PACKETS(8)
+STBVH_PACKETS(16)
+
+}  // extern "C"
