@@ -46,4 +46,11 @@ STBVH_FUNCTION(rtcGetGeometryUserData)
 STBVH_FUNCTION(rtcSetGeometryPointQueryFunction)
 STBVH_FUNCTION(rtcSetGeometryInstancedScene)
 STBVH_FUNCTION(rtcSetGeometryTransform)
+STBVH_FUNCTION(rtcSetGeometryUserPrimitiveCount)
+STBVH_FUNCTION(rtcSetGeometryBoundsFunction)
 STBVH_FUNCTION(rtcInterpolate)
+#if RTC_VERSION_MAJOR >= 4
+STBVH_FUNCTION(rtcGetDeviceLastErrorMessage)
+STBVH_FUNCTION(rtcSetGeometryEnableFilterFunctionFromArguments)
+STBVH_FUNCTION(rtcSetGeometryInstancedScenes)
+#endif
