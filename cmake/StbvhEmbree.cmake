@@ -1,14 +1,23 @@
-# Finds Embree: the one that a project around this one has found already, else the major that STBVH_EMBREE_MAJOR names,
-# else 4 where it is installed, else 3.13. Its target is `embree` in both; sources learn of it by plugin/embree_api.h alone.
-set(STBVH_EMBREE_MAJOR "" CACHE STRING "Major version of Embree, 3 or 4; empty: 4 where it is installed, else 3")
-if(NOT TARGET embree)
-  if(STBVH_EMBREE_MAJOR STREQUAL "4")
-    find_package(embree 4 REQUIRED)
-  elseif(NOT STBVH_EMBREE_MAJOR STREQUAL "3")
-    find_package(embree 4 QUIET)
-  endif()
-  if(NOT embree_FOUND)
-    find_package(embree 3.13 REQUIRED)
-  endif()
+# Finds Embree, each major version that is installed, or the one that a project around this one has found already:
+#   STBVH_EMBREE_MAJORS         those majors, the newest first
+#   stbvh_embree_api_MAJOR      what is compiled for one links to it: headers, library, STBVH_EMBREE_MAJOR as a macro
+#   STBVH_EMBREE_MAJOR, stbvh_embree_api   that of harness, tests and examples
+# Sources learn of the version by plugin/embree_api.h alone.
+set(STBVH_EMBREE_MAJOR "" CACHE STRING "Embree of harness and tests, 3 or 4; empty: 4 where it is installed, else 3")
+set(least_embree_3 3.13)
+set(least_embree_4 4)
+set(STBVH_EMBREE_MAJORS)
+set(given_embree_folder "${embree_DIR}")
+foreach(major 4 3)
+  add_subdirectory(${CMAKE_CURRENT_LIST_DIR}/embree ${CMAKE_CURRENT_BINARY_DIR}/cmake/embree${major})
+  set(embree_DIR "${given_embree_folder}" CACHE PATH "Folder of embree-config.cmake" FORCE)  # each find leaves its own
+endforeach()
+
+if(NOT STBVH_EMBREE_MAJOR)
+  list(GET STBVH_EMBREE_MAJORS 0 STBVH_EMBREE_MAJOR)
 endif()
-add_compile_definitions(STBVH_EMBREE_MAJOR=${EMBREE_VERSION_MAJOR})
+if(NOT STBVH_EMBREE_MAJOR IN_LIST STBVH_EMBREE_MAJORS)
+  message(FATAL_ERROR "Embree ${STBVH_EMBREE_MAJOR} was not found (3.13 or later, or 4; Debian's package: libembree-dev). "
+    "Where it lies in a folder of its own, give that as CMAKE_PREFIX_PATH.")
+endif()
+add_library(stbvh_embree_api ALIAS stbvh_embree_api_${STBVH_EMBREE_MAJOR})

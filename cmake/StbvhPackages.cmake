@@ -1,6 +1,6 @@
 # Debian packages, one for each part that is used alone: `cmake --workflow --preset package` (docs/library.md).
 set(CPACK_GENERATOR DEB)
-set(CPACK_COMPONENTS_ALL Runtime Development)
+set(CPACK_COMPONENTS_ALL Development)
 if(TARGET stbvh_preload)
   list(APPEND CPACK_COMPONENTS_ALL Preload)
 endif()
@@ -25,23 +25,25 @@ set(CPACK_DEBIAN_PACKAGE_MAINTAINER "STBVH for Embree maintainers <maintainers@s
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 
-# As its soname: libstbvh0.1, libstbvh4-0.1.
-string(REGEX REPLACE "([0-9])$" "\\1-" library_package lib${stbvh_library})
-string(APPEND library_package ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME ${library_package})
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION libs)
-set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
-  "Shared library: moving triangle meshes as a user geometry of Embree ${EMBREE_VERSION_MAJOR}.")
+foreach(major ${STBVH_EMBREE_MAJORS})
+  list(APPEND CPACK_COMPONENTS_ALL Runtime${major})
+  # As its soname: libstbvh0.1, libstbvh4-0.1.
+  string(REGEX REPLACE "([0-9])$" "\\1-" library_package lib${STBVH_LIBRARY_${major}})
+  string(APPEND library_package ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
+  set(CPACK_DEBIAN_RUNTIME${major}_PACKAGE_NAME ${library_package})
+  set(CPACK_DEBIAN_RUNTIME${major}_PACKAGE_SECTION libs)
+  set(CPACK_COMPONENT_RUNTIME${major}_DESCRIPTION
+    "Shared library: moving triangle meshes as a user geometry of Embree ${major}.")
+  list(APPEND library_packages "${library_package} (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
+endforeach()
 
-set(least_embree 3.13)
-if(EMBREE_VERSION_MAJOR GREATER 3)
-  set(least_embree ${EMBREE_VERSION_MAJOR})
-endif()
+list(GET STBVH_EMBREE_MAJORS -1 least_major)
+list(JOIN library_packages ", " library_packages)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME libstbvh-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
-  "${library_package} (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}), libembree-dev (>= ${least_embree}), libtbb-dev")
-set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Header, CMake package and pkg-config file of lib${stbvh_library}.")
+  "${library_packages}, libembree-dev (>= ${least_embree_${least_major}}), libtbb-dev")
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Header, CMake package and pkg-config file of libstbvh.")
 
 set(CPACK_DEBIAN_PRELOAD_PACKAGE_NAME stbvh-preload)
 set(CPACK_DEBIAN_PRELOAD_PACKAGE_SECTION graphics)

@@ -48,6 +48,8 @@ STBVH_FUNCTION(rtcSetGeometryInstancedScene)
 STBVH_FUNCTION(rtcSetGeometryTransform)
 STBVH_FUNCTION(rtcSetGeometryUserPrimitiveCount)
 STBVH_FUNCTION(rtcSetGeometryBoundsFunction)
+STBVH_FUNCTION(rtcSetGeometryIntersectFunction)
+STBVH_FUNCTION(rtcSetGeometryOccludedFunction)
 STBVH_FUNCTION(rtcInterpolate)
 #if RTC_VERSION_MAJOR >= 4
 STBVH_FUNCTION(rtcGetDeviceLastErrorMessage)
