@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "plugin/preload/environment.h"
+#include "plugin/preload/real_embree.h"
 #include "plugin/preload/tracked_scene.h"
 #include "tests/preload/two_embrees.h"
 
@@ -405,6 +406,79 @@ TEST(PreloadAlone, UntilSomethingElseIsThere) {
   twice.commit();
   EXPECT_FALSE(answers_alone(twice.our_scene));
   EXPECT_EQ(geom_id_hit(twice.our_scene, 0, 0, 0.5f), RTC_INVALID_GEOMETRY_ID);
+}
+
+/// With Embree 4.4 and later, or with other_embree/later_functions.c.
+class PreloadLaterFunctions : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    if (preload::real().rtcTraversableIntersect1 == nullptr) GTEST_SKIP() << "this Embree has none of them";
+  }
+};
+
+/// As new_mesh, with buffers for the host and another device.
+RTCGeometry new_mesh_for_two(RTCDevice device, const Mesh& mesh) {
+  const RTCGeometry geometry = ours().rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+  const auto step_count = static_cast<unsigned>(mesh.steps.size());
+  ours().rtcSetGeometryTimeStepCount(geometry, step_count);
+  ours().rtcSetGeometryMask(geometry, mesh.mask);
+  rtcSetSharedGeometryBufferHostDevice(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                       mesh.indices.data(), nullptr, 0, 12, mesh.triangle_count());
+  for (unsigned step = 0; step < step_count; ++step) {
+    void* vertices = nullptr;
+    rtcSetNewGeometryBufferHostDevice(geometry, RTC_BUFFER_TYPE_VERTEX, step, RTC_FORMAT_FLOAT3, 12,
+                                      mesh.vertex_count(), &vertices, nullptr);
+    std::memcpy(vertices, mesh.steps[step].data(), 12 * mesh.vertex_count());
+  }
+  return geometry;
+}
+
+TEST_F(PreloadLaterFunctions, AnswerAsThePlainOnes) {
+  const Mesh mesh = triangle_soup(41, 200, 3);
+  const Plane plane{0.1f};
+  for (const bool alone : {true, false}) {
+    Twice twice;
+    attach(ours(), twice.our_scene, new_mesh_for_two(twice.our_device, mesh));
+    if (!alone) add_plane(ours(), twice.our_device, twice.our_scene, plane);
+    twice.commit();
+    ASSERT_TRUE(is_taken_over(twice.our_scene));
+    EXPECT_EQ(answers_alone(twice.our_scene), alone);
+    const auto traversable = reinterpret_cast<RTCTraversable>(twice.our_scene);
+    const QueryOptions options = with_plane();
+    alignas(64) int valid[16];
+    std::fill_n(valid, 16, -1);
+    for (const RTCRayHit& ray : random_rays(43, 500)) {
+      RTCRayHit plain = ray, later = ray;
+      intersect_one(twice.our_scene, plain, options);
+      rtcTraversableIntersect1(traversable, &later, test::IntersectArguments(options).get());
+      expect_same_bits(plain, later);
+      plain = later = ray;
+      occluded_one(twice.our_scene, plain.ray, options);
+      rtcTraversableOccluded1(traversable, &later.ray, test::OccludedArguments(options).get());
+      expect_same_bits(plain, later);
+      alignas(64) auto plain_packet = packet_of<RTCRayHit16, 16>(ray), later_packet = plain_packet;
+      intersect_packet(valid, twice.our_scene, plain_packet, options);
+      rtcTraversableIntersect16(valid, traversable, &later_packet, test::IntersectArguments(options).get());
+      EXPECT_EQ(std::memcmp(&plain_packet, &later_packet, 64 * test::kRayHitMembers), 0);
+    }
+    unsigned asked[2] = {};
+    const auto count = [](RTCPointQueryFunctionArguments* arguments) {
+      ++*static_cast<unsigned*>(arguments->userPtr);
+      return false;
+    };
+    for (unsigned i = 0; i < 2; ++i) {
+      RTCPointQuery query{0, 0, 0, 0, 0.5f};
+      RTCPointQueryContext context;
+      rtcInitPointQueryContext(&context);
+      if (i == 0) {
+        ours().rtcPointQuery(twice.our_scene, &query, &context, count, &asked[i]);
+      } else {
+        rtcTraversablePointQuery(traversable, &query, &context, count, &asked[i]);
+      }
+    }
+    EXPECT_GT(asked[0], 0u);
+    EXPECT_EQ(asked[0], asked[1]);
+  }
 }
 
 TEST(PreloadErrors, HaveTheMessageOfTheLatest) {

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Blender's Cycles with the preload library and without it: the same pictures but for roundings. One frame of deforming
 meshes and instances at 3, 5, 9 and 33 time steps; three frames by one process with persistent data; shadows through
-moving transparent things. --figures prints time and peak memory of both instead. Exit code 77: Blender is not installed."""
+moving transparent things. --figures prints time and peak memory of both instead. Exit code 77: Blender is not installed,
+and no Python with the module bpy is named."""
 
 import argparse
 import json
@@ -14,7 +15,6 @@ import tempfile
 from pathlib import Path
 
 FOLDER = Path(__file__).resolve().parent
-BLENDER = ("blender", "-b", "--factory-startup", "--python-exit-code", "3", "-P")
 
 # Roundings move a hit by a bit; where a path then takes another turn (an edge, a veil's coin toss) its pixel differs by more.
 # How many do is measured: Embree with SSE4.2 (without fused additions) against Embree as it is.
@@ -59,10 +59,17 @@ def values_after(word, text):
     return [json.loads(line.split(" ", 1)[1]) for line in text.splitlines() if line.startswith(word + " ")]
 
 
-def compare(folder, pairs):
+def blender(options):
+    """What runs a script."""
+    if options.python:
+        return [options.python]
+    return ["blender", "-b", "--factory-startup", "--python-exit-code", "3", "-P"]
+
+
+def compare(options, folder, pairs):
     """How far the pictures of each pair are apart."""
     names = [name for pair in pairs for name in pair]
-    _, text = run([*BLENDER, FOLDER / "compare.py", "--", *names], {}, folder / "compare.txt")
+    _, text = run([*blender(options), FOLDER / "compare.py", "--", *names], {}, folder / "compare.txt")
     return values_after("DIFFERENCE", text)
 
 
@@ -86,7 +93,7 @@ class Renders:
         if side == "stbvh" and counted:
             environment["STBVH_PRELOAD_STATISTICS"] = str(self.statistics_file)
         case = self.case
-        command = [*BLENDER, FOLDER / "scene.py", "--", case.scene, f"{case.first}-{case.last}", case.motion_steps,
+        command = [*blender(self.options), FOLDER / "scene.py", "--", case.scene, f"{case.first}-{case.last}", case.motion_steps,
                    self.options.size, self.options.samples, prefix]
         peak_bytes, text = run(command, environment, self.folder / "log.txt")
         seconds, = values_after("RENDER_SECONDS", text)
@@ -132,7 +139,7 @@ def test_case(options, folder, name):
     """Renders, compares, prints a line for each frame; the problems found."""
     renders = Renders(options, folder, name)
     native, sse, ours = (renders.render(side)[0] for side in ("native", "sse", "stbvh"))
-    found = compare(folder, [*zip(native, sse), *zip(native, ours), *zip(native, native[1:])])
+    found = compare(options, folder, [*zip(native, sse), *zip(native, ours), *zip(native, native[1:])])
     frames = len(native)
     own, differences, between = found[:frames], found[frames:2 * frames], found[2 * frames:]
     counts = renders.statistics()
@@ -175,8 +182,9 @@ def print_figures(options, folder):
 
 def parse():
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--library", type=Path, required=True, help="libstbvh_preload.so")
+    parser.add_argument("--library", type=Path, required=True, help="libstbvh_preload.so, or libstbvh_preload4.so for Blender 4")
     parser.add_argument("--embree-isa", type=Path, required=True, help="libembree_isa.so, built from embree_isa.c")
+    parser.add_argument("--python", help="with this Python, which has the module bpy, instead of the program blender")
     parser.add_argument("--cases", nargs="+", choices=CASES, default=list(CASES), metavar="CASE", help=", ".join(CASES))
     parser.add_argument("--size", type=int, default=480, help="width of the pictures")
     parser.add_argument("--samples", type=int, default=8)
@@ -194,7 +202,7 @@ def parse():
 
 def main():
     options = parse()
-    if shutil.which("blender") is None:
+    if not options.python and shutil.which("blender") is None:
         print("blender is not installed")
         return 77
     with tempfile.TemporaryDirectory(prefix="stbvh-blender-") as name:

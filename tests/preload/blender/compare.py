@@ -11,7 +11,7 @@ import bpy
 def read(path):
     """The pixels, as tuples of red, green and blue."""
     picture = bpy.data.images.load(path)
-    picture.colorspace_settings.name = "Raw"
+    picture.colorspace_settings.name = "Non-Color"
     values, channels = picture.pixels[:], picture.channels
     return list(zip(values[0::channels], values[1::channels], values[2::channels]))
 

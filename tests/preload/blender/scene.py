@@ -1,6 +1,7 @@
 """Run by Blender: a scene of deforming, moving and still objects through Cycles.
 
 blender -b --factory-startup -P scene.py -- SCENE FRAMES MOTION_STEPS SIZE SAMPLES PICTURE-
+or by a Python that has Blender as its module bpy.
 
 SCENE: objects, or shadows that fall through moving transparent things. FRAMES: the first and the last, as 1-3, rendered by
 one process with persistent data to PICTURE-0001.exr and so on. Cycles gives a mesh with n motion steps 2^n + 1 time
@@ -22,7 +23,7 @@ def material(name, color, alpha=1.0, emission=0.0):
     shader.inputs["Base Color"].default_value = (*color, 1)
     shader.inputs["Alpha"].default_value = alpha
     shader.inputs["Roughness"].default_value = 0.3
-    shader.inputs["Emission"].default_value = (*color, 1)
+    shader.inputs["Emission Color" if bpy.app.version >= (4, 0, 0) else "Emission"].default_value = (*color, 1)
     shader.inputs["Emission Strength"].default_value = emission
     return made
 

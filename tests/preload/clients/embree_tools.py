@@ -16,11 +16,23 @@ def skip(sentence):
     sys.exit(SKIPPED)
 
 
+def find_tool(name):
+    """What a program of Embree is called here, or None: from Embree 4 on their names begin with embree_."""
+    return next((found for found in (f"embree_{name}", name) if shutil.which(found)), None)
+
+
 def require_tools(*names):
-    """Skips the test where one of the programs is not installed."""
-    missing = [name for name in names if shutil.which(name) is None]
+    """What they are called here; skips the test where one of them is not installed."""
+    missing = [name for name in names if find_tool(name) is None]
     if missing:
         skip(f"{', '.join(missing)}: not installed (embree-tools)")
+    return [find_tool(name) for name in names]
+
+
+def serves(stbvh_run):
+    """The major versions of Embree for which the drop-in library lies beside the script."""
+    folder = Path(stbvh_run).resolve().parent
+    return [major for major, name in ((3, "libstbvh_preload.so"), (4, "libstbvh_preload4.so")) if (folder / name).exists()]
 
 
 class Outcome:

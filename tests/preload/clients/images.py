@@ -9,17 +9,18 @@ import sys
 import tempfile
 from pathlib import Path
 
-from embree_tools import Difference, Side, native_trees_of_moving_triangles, require_tools
+from embree_tools import Difference, Side, find_tool, native_trees_of_moving_triangles, require_tools
 from scenes import CONVERTED, MODELS, SCENES
 
-TOOLS = {"pathtracer": ("--spp", "4"), "viewer": (), "viewer_stream": ()}
+# Those with _ispc trace packets, and streams were Embree 3's.
+TOOLS = {"pathtracer": ("--spp", "4"), "pathtracer_ispc": ("--spp", "4"), "viewer": (), "viewer_ispc": (), "viewer_stream": ()}
 # Tutorials with triangle meshes, for --all. The last looks along an edge of its cube, where two triangles are equally near.
 TUTORIALS = {name: () for name in (
     "closest_point", "curve_geometry", "displacement_geometry", "dynamic_scene", "grid_geometry", "instanced_geometry",
     "interpolation", "intersection_filter", "lazy_geometry", "multiscene_geometry", "point_geometry",
     "subdivision_geometry", "user_geometry")}
 TUTORIALS["triangle_geometry"] = ("--vp", "1.3", "1.6", "-1.7")
-MODEL_FOLDER = Path("/usr/share/doc/embree3/models")
+MODEL_FOLDER = next(Path("/usr/share/doc").glob("embree[34]/models"), Path())
 
 
 class Job:
@@ -51,12 +52,15 @@ def make_jobs(options, folder):
     size = ["--size", str(options.size), str(options.size)]
     for name, path, moves, more in write_scenes(folder, options.stbvh_ab, options.scenes):
         for tool in options.tools:
-            yield Job(f"{tool} {name}", [tool, "-i", path, *size, *TOOLS[tool], *more], moves)
+            yield Job(f"{tool} {name}", [find_tool(tool), "-i", path, *size, *TOOLS[tool], *more], moves)
     if not options.scenes:
-        yield Job("motion_blur_geometry", ["motion_blur_geometry", *size], True)
+        yield Job("motion_blur_geometry", [find_tool("motion_blur_geometry"), *size], True)
+        # Not along edges, where two triangles are equally near, and which comes first is nobody's.
+        aside = ("--vp", "0.37", "3.1", "9", "--vi", "0.01", "0.02", "0")
+        yield Job("next_hit", [find_tool("next_hit"), "-i", folder / "transparent.xml", *size, *aside], True)
     if options.all and not options.scenes:
         for tutorial, more in TUTORIALS.items():
-            yield Job(tutorial, [tutorial, *size, *more], False)
+            yield Job(tutorial, [find_tool(tutorial), *size, *more], False)
 
 
 def compare_pictures(job, ours, folder, timeout, takes_all):
@@ -112,7 +116,8 @@ def parse():
     parser.add_argument("--stbvh-ab", help="the harness, for its scenes")
     parser.add_argument("--native", action="store_true")
     parser.add_argument("--all", action="store_true", help="take over meshes at rest too")
-    parser.add_argument("--tools", type=lambda s: s.split(","), default=list(TOOLS))
+    parser.add_argument("--tools", type=lambda s: s.split(","), default=[t for t in TOOLS if find_tool(t)],
+                        help="those that are installed, if not named")
     parser.add_argument("--scenes", type=lambda s: s.split(","), default=[])
     parser.add_argument("--size", type=int, default=96)
     parser.add_argument("--timeout", type=float, default=120)
@@ -140,7 +145,7 @@ def run_jobs(options, folder):
 
 def main():
     options = parse()
-    require_tools(*options.tools, "motion_blur_geometry", *(TUTORIALS if options.all else ()))
+    require_tools(*options.tools, "motion_blur_geometry", "next_hit", *(TUTORIALS if options.all else ()))
     if options.keep:
         options.keep.mkdir(parents=True, exist_ok=True)
         return run_jobs(options, options.keep)

@@ -10,7 +10,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from embree_tools import Side, require_tools
+from embree_tools import Side, find_tool, require_tools
 
 AVERAGE = re.compile(r"^BENCHMARK_RENDER_MRAYPS_AVG\s+([0-9.]+)", re.MULTILINE)
 SCENES = ["llama", "wheels", "train", "crowd", "dancer", "barbarian"]
@@ -21,7 +21,7 @@ class Failed(Exception):
 
 
 def mrays_per_s(side, scene, options):
-    command = ["pathtracer", "-i", scene, "--size", options.size, options.size, "--benchmark", 1, options.frames]
+    command = [find_tool("pathtracer"), "-i", scene, "--size", options.size, options.size, "--benchmark", 1, options.frames]
     outcome = side.run(command, options.timeout)
     found = AVERAGE.search(outcome.text)
     if not outcome.ended_well() or found is None:

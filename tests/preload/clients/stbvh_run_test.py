@@ -15,10 +15,11 @@ import time
 import unittest
 from pathlib import Path
 
-from embree_tools import require_tools
+from embree_tools import require_tools, serves
 from scenes import SCENES
 
 STBVH_RUN = ""
+LIBRARIES = []  # that are built
 PRINT_VARIABLES = ["python3", "-c", "import os\nfor k in sorted(os.environ):\n"
                    "  if k.startswith(('STBVH', 'LD_PRELOAD')): print(k + '=' + os.environ[k])"]
 
@@ -26,6 +27,12 @@ PRINT_VARIABLES = ["python3", "-c", "import os\nfor k in sorted(os.environ):\n"
 def run(*arguments, **more):
     return subprocess.run([STBVH_RUN, *map(str, arguments)], capture_output=True, text=True, check=False, timeout=120,
                           **more)
+
+
+def linked_library(program):
+    """The drop-in library for the Embree that the program is linked with."""
+    listing = subprocess.run(["ldd", shutil.which(program)], capture_output=True, text=True, check=True).stdout
+    return "libstbvh_preload4.so" if "libembree4.so" in listing else "libstbvh_preload.so"
 
 
 class WithFolder(unittest.TestCase):
@@ -45,7 +52,7 @@ class WithFolder(unittest.TestCase):
         return path
 
     def pathtracer(self, picture, size=24):
-        return ["pathtracer", "-i", self.scene(), "--size", size, size, "--spp", 1, "-o", picture]
+        return [*require_tools("pathtracer"), "-i", self.scene(), "--size", size, size, "--spp", 1, "-o", picture]
 
 
 class Environment(WithFolder):
@@ -72,13 +79,14 @@ class Environment(WithFolder):
     def test_other_preloaded_libraries_stay(self):
         other = next(Path("/lib/x86_64-linux-gnu").glob("libm.so.6"))
         found = self.variables(env={**os.environ, "LD_PRELOAD": str(other)})["LD_PRELOAD"].split(":")
-        self.assertEqual((Path(found[0]).name, found[1]), ("libstbvh_preload.so", str(other)))
+        self.assertEqual([Path(f).name for f in found[:-1]], LIBRARIES)
+        self.assertEqual(found[-1], str(other))
 
     def test_a_blank_in_the_path_of_the_library_is_refused(self):
         folder = self.folder / "a folder"
         folder.mkdir()
         shutil.copy(STBVH_RUN, folder)
-        (folder / "libstbvh_preload.so").touch()
+        (folder / LIBRARIES[0]).touch()
         done = subprocess.run([folder / "stbvh-run", "true"], capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 125)
         self.assertIn("blank", done.stderr)
@@ -87,7 +95,23 @@ class Environment(WithFolder):
         shutil.copy(STBVH_RUN, self.folder)
         done = subprocess.run([self.folder / "stbvh-run", "true"], capture_output=True, text=True, check=False)
         self.assertEqual(done.returncode, 125)
-        self.assertIn(str(self.folder / "libstbvh_preload.so"), done.stderr)
+        for words in (str(self.folder), *LIBRARIES):
+            self.assertIn(words, done.stderr)
+
+    def test_a_program_of_an_embree_without_its_library_is_refused(self):
+        tool, = require_tools("pathtracer")
+        shutil.copy(STBVH_RUN, self.folder)
+        other = {"libstbvh_preload.so", "libstbvh_preload4.so"} - {linked_library(tool)}
+        shutil.copy(Path(STBVH_RUN).parent / LIBRARIES[0], self.folder / other.pop())
+        done = subprocess.run([self.folder / "stbvh-run", tool], capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 125, done.stderr)
+        self.assertIn(f"{linked_library(tool)} is not installed", done.stderr)
+
+    def test_a_linked_program_gets_the_library_of_its_embree_alone(self):
+        tool, = require_tools("pathtracer")
+        done = run(tool, "--help", env={**os.environ, "LD_DEBUG": "libs"})
+        loaded = {name for name in ("libstbvh_preload.so", "libstbvh_preload4.so") if f"/{name}" in done.stderr}
+        self.assertEqual(loaded, {linked_library(tool)})
 
 
 class Refusals(WithFolder):
@@ -178,13 +202,13 @@ class Ends(WithFolder):
 
 
 class Embree(WithFolder):
-    """With a program that is linked with Embree 3, and with some that are not."""
+    """With a program that is linked with Embree, and with some that are not."""
 
     def test_a_program_without_embree_is_told_after_the_run(self):
         done = run("true")
         self.assertEqual((done.returncode, done.stdout), (0, ""))
         self.assertEqual(len(done.stderr.splitlines()), 1)
-        self.assertIn("has not used libembree3", done.stderr)
+        self.assertIn("has not used libembree", done.stderr)
 
     def test_statistics_of_a_linked_program(self):
         require_tools("pathtracer")
@@ -291,4 +315,5 @@ class Embree(WithFolder):
 if __name__ == "__main__":
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     STBVH_RUN = os.path.abspath(sys.argv.pop(1))
+    LIBRARIES = ["libstbvh_preload4.so" if major == 4 else "libstbvh_preload.so" for major in serves(STBVH_RUN)]
     unittest.main()

@@ -1,8 +1,9 @@
 /* Calls what a program calls that renders moving triangles, for other_embree_test.py, and says what it is
  * answered. */
-#include <embree3/rtcore.h>
 #include <stdint.h>
 #include <stdio.h>
+
+#include "stbvh/stbvh_embree.h"
 
 #if EMBREE_MAJOR > 2
 static void on_error(void* user, enum RTCError code, const char* message) {
@@ -74,6 +75,16 @@ static void use(RTCDevice device) {
   struct RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   printf("point query: %d\n", rtcPointQuery(scene, &query, &context, NULL, scene));
+  struct RTCRayHit ray = {.ray = {.tfar = 5}};
+  struct RTCRay4 rays = {.tfar = {6}};
+  const int valid[4] = {-1, -1, -1, -1};
+#if RTC_VERSION_MAJOR >= 4
+  rtcIntersect1(scene, &ray, NULL);
+  rtcOccluded4(valid, scene, &rays, NULL);
+#else
+  rtcIntersect1(scene, NULL, &ray);
+  rtcOccluded4(valid, scene, NULL, &rays);
+#endif
   printf("error: %d\n", (int)rtcGetDeviceError(device));
   rtcDetachGeometry(scene, 77);
   rtcRetainScene(scene);

@@ -2,8 +2,9 @@
  * device property whose number EMBREE_PROPERTY holds, it gives EMBREE_VALUE. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
-#include <embree3/rtcore.h>
 #include <stdlib.h>
+
+#include "stbvh/stbvh_embree.h"
 
 ssize_t rtcGetDeviceProperty(RTCDevice device, enum RTCDeviceProperty property) {
   typedef ssize_t (*Function)(RTCDevice, enum RTCDeviceProperty);

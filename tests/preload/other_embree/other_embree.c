@@ -1,10 +1,11 @@
-/* Stands for an Embree of another version, EMBREE_MAJOR: says each call and what it was given. Version 4 has
- * the functions of version 3 that the preload library stands in front of; of those version 2 has rtcNewDevice
+/* Stands for an Embree of another version, EMBREE_MAJOR: says each call and what it was given. Versions 3 and
+ * 4 have the same functions that the preload library stands in front of; of those version 2 has rtcNewDevice
  * only. */
-#include <embree3/rtcore.h>
 #include <stdarg.h>
 #include <stdint.h>
 #include <stdio.h>
+
+#include "stbvh/stbvh_embree.h"
 
 /* Handles are numbers: nobody may look behind them. */
 static void* handle(uintptr_t number) {
@@ -162,4 +163,24 @@ bool rtcPointQuery(RTCScene scene, struct RTCPointQuery* query, struct RTCPointQ
       POINTER(user));
   return true;
 }
+
+#if RTC_VERSION_MAJOR >= 4
+void rtcIntersect1(RTCScene scene, struct RTCRayHit* ray, struct RTCIntersectArguments* options) {
+  say(__func__, 3, POINTER(scene), NUMBER(ray->ray.tfar), POINTER(options));
+}
+
+void rtcOccluded4(const int* valid, RTCScene scene, struct RTCRay4* rays,
+                  struct RTCOccludedArguments* options) {
+  say(__func__, 4, NUMBER(valid[3]), POINTER(scene), NUMBER(rays->tfar[0]), POINTER(options));
+}
+#else
+void rtcIntersect1(RTCScene scene, struct RTCIntersectContext* context, struct RTCRayHit* ray) {
+  say(__func__, 3, POINTER(scene), POINTER(context), NUMBER(ray->ray.tfar));
+}
+
+void rtcOccluded4(const int* valid, RTCScene scene, struct RTCIntersectContext* context,
+                  struct RTCRay4* rays) {
+  say(__func__, 4, NUMBER(valid[3]), POINTER(scene), POINTER(context), NUMBER(rays->tfar[0]));
+}
+#endif
 #endif
