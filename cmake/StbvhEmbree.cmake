@@ -17,7 +17,7 @@ if(NOT STBVH_EMBREE_MAJOR)
   list(GET STBVH_EMBREE_MAJORS 0 STBVH_EMBREE_MAJOR)
 endif()
 if(NOT STBVH_EMBREE_MAJOR IN_LIST STBVH_EMBREE_MAJORS)
-  message(FATAL_ERROR "Embree ${STBVH_EMBREE_MAJOR} was not found (3.13 or later, or 4; Debian's package: libembree-dev). "
-    "Where it lies in a folder of its own, give that as CMAKE_PREFIX_PATH.")
+  message(FATAL_ERROR "Embree was not found (3.13 or later; Debian's package: libembree-dev), or not the major version that "
+    "STBVH_EMBREE_MAJOR asks for. Where it lies in a folder of its own, give that as CMAKE_PREFIX_PATH.")
 endif()
 add_library(stbvh_embree_api ALIAS stbvh_embree_api_${STBVH_EMBREE_MAJOR})

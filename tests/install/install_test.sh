@@ -4,8 +4,8 @@
 # STEP `install` leaves a prefix in BUILD_FOLDER/tests/install/prefix, which the other steps use.
 set -euo pipefail
 step=$1 build=$2 source=$3 cmake=$4 cc=$5 cxx=$6 major=$7
-work=$build/tests/install
-prefix=$work/prefix
+work=$build/tests/install/embree$major
+prefix=$build/tests/install/prefix
 example=$source/plugin/examples/from_triangles
 kernels_example=$source/kernels/examples/two_meshes
 
@@ -16,8 +16,11 @@ other_major=$((7 - major))
 library() { find "$prefix" -name "lib$name.so"; }
 use_pkg_config() { PKG_CONFIG_PATH=$(dirname "$(find "$prefix" -name "$name.pc")"); export PKG_CONFIG_PATH; }
 flags() { pkg-config "$@" "$name"; }
+# Where the application finds us, and the Embree of this build.
+prefixes="$prefix;$(sed -n 's/^CMAKE_PREFIX_PATH:[A-Z]*=//p' "$build/CMakeCache.txt")"
 project_version() { sed -n 's/^project(stbvh VERSION \([0-9.]*\).*/\1/p' "$source/CMakeLists.txt"; }
 export CMAKE_GENERATOR=Ninja  # as the project itself: make need not be there
+mkdir -p "$work"
 warnings=(-pedantic -Wall -Wextra -Werror)
 
 # Installed, then moved: nothing that is found later may name the first place.
@@ -58,7 +61,7 @@ check_example() {
 
 by_cmake() {
   rm -rf "$work/by_cmake"
-  "$cmake" -S "$example" -B "$work/by_cmake" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER="$cc" \
+  "$cmake" -S "$example" -B "$work/by_cmake" -DCMAKE_PREFIX_PATH="$prefixes" -DCMAKE_C_COMPILER="$cc" \
     -DCMAKE_C_FLAGS="-std=c99 ${warnings[*]}"
   "$cmake" --build "$work/by_cmake"
   check_example "$work/by_cmake/from_triangles"
@@ -72,34 +75,50 @@ by_cmake_version() {
     printf 'cmake_minimum_required(VERSION 3.16)\nproject(p LANGUAGES NONE)\nfind_package(stbvh %s REQUIRED)\n' "$wanted" \
       > "$work/version/CMakeLists.txt"
     rm -rf "$work/version/build"
-    ! "$cmake" -S "$work/version" -B "$work/version/build" -DCMAKE_PREFIX_PATH="$prefix" > "$work/version.log" 2>&1 ||
+    ! "$cmake" -S "$work/version" -B "$work/version/build" -DCMAKE_PREFIX_PATH="$prefixes" > "$work/version.log" 2>&1 ||
       fail "version $wanted was found"
     tr -s ' \n' ' ' < "$work/version.log" | grep -q "compatible with requested version \"$wanted\"" ||
       { cat "$work/version.log"; fail "refused for another reason"; }
   done
 }
 
-# The component of the installed major, the application's own Embree, and the other major, which is refused.
+# The component of a major, the application's own Embree, and the other major, which is refused where it is not installed.
 by_cmake_major() {
   configure() {
     mkdir -p "$work/major"
     printf 'cmake_minimum_required(VERSION 3.16)\nproject(p LANGUAGES C CXX)\n%s\n' "$1" > "$work/major/CMakeLists.txt"
     rm -rf "$work/major/build"
-    "$cmake" -S "$work/major" -B "$work/major/build" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_C_COMPILER="$cc" \
+    "$cmake" -S "$work/major" -B "$work/major/build" -DCMAKE_PREFIX_PATH="$prefixes" -DCMAKE_C_COMPILER="$cc" \
       -DCMAKE_CXX_COMPILER="$cxx" > "$work/major.log" 2>&1
   }
-  local check="get_target_property(d stbvh::stbvh INTERFACE_COMPILE_DEFINITIONS)
+  configure "find_package(stbvh 0.1 REQUIRED COMPONENTS embree$major)
+    get_target_property(d stbvh::stbvh INTERFACE_COMPILE_DEFINITIONS)
     if(NOT d STREQUAL \"STBVH_EMBREE_MAJOR=$major\")
       message(FATAL_ERROR \"\${d}\")
-    endif()"
-  configure "find_package(stbvh 0.1 REQUIRED COMPONENTS embree$major)
-    $check" || { cat "$work/major.log"; fail "the component embree$major was not found"; }
+    endif()" || { cat "$work/major.log"; fail "the component embree$major was not found"; }
   configure "find_package(embree $major REQUIRED)
-    find_package(stbvh 0.1 REQUIRED)
-    $check" || { cat "$work/major.log"; fail "not found after Embree"; }
+    add_subdirectory($example example)" || { cat "$work/major.log"; fail "not found after Embree"; }
+  "$cmake" --build "$work/major/build"
+  check_example "$work/major/build/example/from_triangles"
+  [ "$(readelf --dynamic "$work/major/build/example/from_triangles" | grep -oE '(embree|stbvh)[34]?\.so' | sort)" = \
+    "embree$major.so
+$name.so" ] || fail "the example is linked with other libraries than $name and embree$major"
+  [ ! -e "$(dirname "$(library)")/cmake/stbvh/stbvh-embree$other_major-targets.cmake" ] || return 0
   ! configure "find_package(stbvh 0.1 REQUIRED COMPONENTS embree$other_major)" || fail "Embree $other_major was found"
   tr -s ' \n' ' ' < "$work/major.log" | grep -q "Embree $other_major and the STBVH library for it are not both installed" ||
     { cat "$work/major.log"; fail "refused for another reason"; }
+}
+
+# All that differs between the majors, for the other one, where both are installed.
+both_majors() {
+  if [ -z "$(find "$prefix" -name "stbvh-embree$other_major-targets.cmake")" ]; then
+    echo "Embree $other_major is not installed"
+    exit 77
+  fi
+  local step
+  for step in exports soname by_cmake_major mixed_majors by_pkg_config header nodiscard; do
+    "$0" "$step" "$build" "$source" "$cmake" "$cc" "$cxx" "$other_major" || fail "$step, with Embree $other_major"
+  done
 }
 
 # A program that has included one Embree and is told that the library is for the other.
@@ -122,7 +141,7 @@ by_pkg_config() {
     # shellcheck disable=SC2046  # the flags are words
     "$cc" -std=c99 "${warnings[@]}" "${files[@]}" -o "$work/$program" $(flags --cflags --libs) -lm
   done
-  LD_LIBRARY_PATH=$(dirname "$(library)")
+  LD_LIBRARY_PATH=$(flags --libs-only-L | sed 's/^-L//; s/ *-L/:/g; s/ *$//')
   export LD_LIBRARY_PATH
   check_example "$work/from_triangles"
   "$work/moving_triangles"
@@ -139,7 +158,7 @@ harness() {
 kernels() {
   use_pkg_config
   rm -rf "$work/kernels"
-  "$cmake" -S "$kernels_example" -B "$work/kernels" -DCMAKE_PREFIX_PATH="$prefix" -DCMAKE_CXX_COMPILER="$cxx" \
+  "$cmake" -S "$kernels_example" -B "$work/kernels" -DCMAKE_PREFIX_PATH="$prefixes" -DCMAKE_CXX_COMPILER="$cxx" \
     -DCMAKE_CXX_FLAGS="${warnings[*]}"
   "$cmake" --build "$work/kernels"
   "$work/kernels/two_meshes"
@@ -218,7 +237,7 @@ handful() {
 
 case $step in
   install) install_and_move ;;
-  exports | soname | by_cmake | by_cmake_version | by_cmake_major | mixed_majors | by_pkg_config | kernels | preload | harness | \
-    header | nodiscard | handful) "$step" ;;
+  exports | soname | by_cmake | by_cmake_version | by_cmake_major | both_majors | mixed_majors | by_pkg_config | kernels | \
+    preload | harness | header | nodiscard | handful) "$step" ;;
   *) fail "no such step: $step" ;;
 esac
