@@ -1,9 +1,6 @@
 # Debian packages, one for each part that is used alone: `cmake --workflow --preset package` (docs/library.md).
 set(CPACK_GENERATOR DEB)
-set(CPACK_COMPONENTS_ALL Development)
-if(TARGET stbvh_preload)
-  list(APPEND CPACK_COMPONENTS_ALL Preload)
-endif()
+set(CPACK_COMPONENTS_ALL Development Preload)
 if(STBVH_BUILD_HARNESS)
   list(APPEND CPACK_COMPONENTS_ALL Harness)
 endif()
@@ -49,7 +46,7 @@ set(CPACK_DEBIAN_PRELOAD_PACKAGE_NAME stbvh-preload)
 set(CPACK_DEBIAN_PRELOAD_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PRELOAD_PACKAGE_DEPENDS python3)
 set(CPACK_COMPONENT_PRELOAD_DESCRIPTION
-  "stbvh-run runs programs of Embree 3 as they are, with their moving triangle
+  "stbvh-run runs programs of Embree as they are, with their moving triangle
  meshes answered by STBVH.")
 
 set(CPACK_DEBIAN_HARNESS_PACKAGE_NAME stbvh-harness)

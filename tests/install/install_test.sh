@@ -176,9 +176,8 @@ kernels() {
   done
 }
 
-# The installed script finds the installed library, which takes over what the example gives to Embree 3.
+# The installed script finds the installed library, which takes over what the example gives to Embree.
 preload() {
-  [ "$major" = 3 ] || return 0
   use_pkg_config
   # shellcheck disable=SC2046
   "$cc" -std=c99 "$example"/*.c -o "$work/preload" $(flags --cflags --libs) -lm
