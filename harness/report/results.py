@@ -9,6 +9,7 @@ replaced. Records from a tree with uncommitted changes are refused.
 import argparse
 import os
 import re
+from statistics import geometric_mean
 
 from page_blocks import Section, Table, Text
 from page_markdown import write
@@ -19,11 +20,11 @@ BEGIN, END = "<!-- made by stbvh-ab results: begin -->", "<!-- made by stbvh-ab 
 
 
 class Machine:
-    """The records that were measured on one machine."""
+    """The records that were measured on one machine with one Embree."""
 
     def __init__(self, files):
         self.facts = files[0]["machine"]
-        self.name = short_name(self.facts["cpu"])
+        self.name = f'{short_name(self.facts["cpu"])}, Embree {self.facts["embree"]}'
         self.commits = distinct(f["commit"] for f in files)
         self.records = [r for f in files for r in f["records"]]
         check_distinct(self.records)
@@ -47,7 +48,7 @@ def read_machines(paths):
             fail(f'"{path}" was not measured on a clean commit, but on "{file["commit"]}".')
     machines = {}
     for file in files:
-        machines.setdefault((file["machine"]["cpu"], file["machine"]["cores"]), []).append(file)
+        machines.setdefault(tuple(file["machine"][key] for key in ("cpu", "cores", "embree")), []).append(file)
     return [Machine(group) for group in machines.values()]
 
 
@@ -59,9 +60,9 @@ def side_by_side(columns, caption):
 
 
 def machine_table(machines):
-    rows = [[m.name, str(m.facts["cores"]), f'{m.facts["memory_gb"]:.0f}', m.facts["instruction_set"], m.facts["embree"],
+    rows = [[m.name, str(m.facts["cores"]), f'{m.facts["memory_gb"]:.0f}', m.facts["instruction_set"],
              ", ".join(m.commits), ", ".join(distinct(r["scene"] for r in m.of("build")))] for m in machines]
-    return Table(["machine", "cores", "GB", "our instruction set", "Embree", "commit", "scenes"], rows)
+    return Table(["machine", "cores", "GB", "our instruction set", "commit", "scenes"], rows)
 
 
 def speed_columns(machines, key, text):
@@ -88,6 +89,29 @@ def speed_sections(machines):
                for rays in kinds for m in machines if m.speeds]
     if columns:
         yield Section("kinds", "Speed by kind of rays", [side_by_side(columns, "With the most threads.")])
+
+
+def rates(machine, kinds):
+    """Million rays a second of each structure, one thread, geometric mean over scenes and `kinds` of rays."""
+    records = [r for r in machine.of("speed") if r["threads"] == 1 and r["rays"] in kinds]
+    return {name: geometric_mean([r["mrays_per_s"] for r in group]) for (name,), group in grouped(records, "structure").items()}
+
+
+def version_sections(machines):
+    """Where one machine has several Embrees: how fast each is by itself."""
+    joint = together([r for m in machines for r in m.speeds])
+    groups = {}
+    for machine in machines:
+        groups.setdefault((machine.facts["cpu"], machine.facts["cores"]), []).append(machine)
+    groups = [group for group in groups.values() if len(group) > 1]
+    if joint is None or not groups:
+        return
+    columns = [(m.name, {name: f"{rate:.3f}" for name, rate in rates(m, joint.split("+")).items()})
+               for group in groups for m in group]
+    yield Section("versions", f"Embree's versions on one machine, million rays a second, {in_words(joint)}", [
+        side_by_side(columns, "One thread; geometric mean over scenes and kinds of rays, the same rays in all. One process for "
+                              "each Embree, one after the other, each with its system's compiler: what our kernels alone "
+                              "(`stbvh-direct`) differ by is not Embree's.")])
 
 
 def build_sections(machines):
@@ -131,7 +155,7 @@ def main():
     parser.add_argument("-o", "--output", required=True, metavar="FILE.md")
     arguments = parser.parse_args()
     machines = read_machines(arguments.records)
-    sections = [*speed_sections(machines), *build_sections(machines), *error_sections(machines)]
+    sections = [*speed_sections(machines), *version_sections(machines), *build_sections(machines), *error_sections(machines)]
     if not sections:
         fail("There is nothing to show: no summaries of bench, no records of error and hard.")
     text = "\n\n".join([write(machine_table(machines))] + [write(section) for section in sections])

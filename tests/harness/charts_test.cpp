@@ -210,6 +210,7 @@ TEST_F(Charts, ResultsOfMachinesStandSideBySide) {
   Machine one, other;
   one.cpu = "AMD EPYC 7B13 64-Core Processor";
   other.cpu = "Intel(R) Core(TM) i7 CPU @ 3.00GHz";
+  one.embree = other.embree = "3.13.5";
   Report errors;
   errors.errors.push_back({.scene = "a", .structure = "stbvh", .rays = "bounce", .traced = 1000});
   write("one.json", to_json(bench_report(), one, "abc"));
@@ -219,9 +220,11 @@ TEST_F(Charts, ResultsOfMachinesStandSideBySide) {
   const std::string records = at("one.json") + " " + at("other.json") + " " + at("error.json");
   ASSERT_EQ(stbvh_ab("results " + records + " -o " + page).exit_code, 0);
   const std::string text = read_file(page);
-  for (const char* part :
-       {"AMD EPYC 7B13, 2 threads | Intel Core i7, 1 thread", "| 2.00 (2.00 to 2.00) |", "0 of 1,000"})
+  for (const char* part : {"AMD EPYC 7B13, Embree 3.13.5, 2 threads | Intel Core i7, Embree 3.13.5, 1 thread",
+                           "| 2.00 (2.00 to 2.00) |", "0 of 1,000"})
     EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
+
+  EXPECT_EQ(text.find("versions on one machine"), std::string::npos) << text;
 
   write("page.md", "before\n" + text + "after\n");
   ASSERT_EQ(stbvh_ab("results " + at("one.json") + " -o " + page).exit_code, 0);
@@ -235,6 +238,23 @@ TEST_F(Charts, ResultsOfMachinesStandSideBySide) {
                  "records of the same");
   write("other.md", "no marks");
   expect_refusal(stbvh_ab("results " + at("one.json") + " -o " + at("other.md")), "does not have the lines");
+}
+
+TEST_F(Charts, ResultsOfEmbreesOnOneMachineAreComparedInRaysASecond) {
+  Machine machine;
+  machine.cpu = "AMD EPYC";
+  machine.embree = "3.13.5";
+  Report slower = bench_report();
+  write("three.json", to_json(slower, machine, "abc"));
+  machine.embree = "4.3.3";
+  for (SpeedResult& speed : slower.speeds) speed.mrays_per_s.median *= 0.5;
+  write("four.json", to_json(slower, machine, "abc"));
+  const std::string page = at("page.md");
+  ASSERT_EQ(stbvh_ab("results " + at("three.json") + " " + at("four.json") + " -o " + page).exit_code, 0);
+  const std::string text = read_file(page);
+  for (const char* part : {"Embree's versions on one machine, million rays a second",
+                           "| `embree` | 1.000 | 0.500 |", "| **`stbvh`** | 1.500 | 0.750 |"})
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\n" << text;
 }
 
 TEST_F(Charts, WhereNothingCanBeWrittenAreRefused) {
