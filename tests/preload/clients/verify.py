@@ -20,7 +20,8 @@ MOTION_BLUR = [r"get_bounds\.triangles_mb", r"get_linear_bounds\.triangles_mb", 
                r"point_query.*", r"regression_static.*", r"regression_dynamic.*"]
 ALL_TRIANGLES = [r"triangle_hit.*", r"intersection_filter.*", r"inactive_rays.*", r"update.*",
                  r"ray_alignment_test.*", r"enable_disable.*", r"disable_detach.*", r"user_geometry_id.*"]
-LISTS = {"watertight": WATERTIGHT, "motion-blur": WATERTIGHT + MOTION_BLUR, "all-triangles": ALL_TRIANGLES}
+LISTS = {"watertight": WATERTIGHT, "motion-blur": WATERTIGHT + MOTION_BLUR,
+         "all-triangles": WATERTIGHT + MOTION_BLUR + ALL_TRIANGLES}
 RESULT = re.compile(r"^\s*(AVX\w+\.\S+) .*\[(PASSED|FAILED)", re.MULTILINE)
 
 
