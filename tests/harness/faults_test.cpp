@@ -48,7 +48,7 @@ class Memory : public TemporaryFolderTest {
     return count;
   }
 
-  /// Whatever the limit is, from nothing beyond the loaded libraries to enough: it works, or fails with one
+  /// Whatever the limit is, from nothing beyond the loaded program to enough: it works, or fails with one
   /// line.
   void expect_no_signal(const std::string& command) const {
     std::size_t failures = 0;
@@ -68,6 +68,7 @@ class Memory : public TemporaryFolderTest {
 TEST_F(Memory, ThatDoesNotSufficeForTheStartIsOneLine) {
   if (kIsSanitized) GTEST_SKIP() << "sanitizers need addresses without limit";
   expect_no_signal(std::string(STBVH_AB) + " list");
+  expect_no_signal(std::string(STBVH_PREVIEW) + " --help");
 }
 
 TEST_F(Memory, ThatDoesNotSufficeForTheOracleIsOneLine) {
