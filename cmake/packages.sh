@@ -8,7 +8,7 @@ test_packages=(libgtest-dev embree-tools pkgconf python3 xvfb libgl1-mesa-dri li
 processor_packages=(qemu-user)
 chart_packages=(python3-matplotlib)
 rules_packages=(clang-format git python3)
-package_packages=(help2man dpkg-dev binutils)
+package_packages=(help2man dpkg-dev binutils file)
 fuzz_packages=(clang-14 libclang-rt-14-dev)
 
 # ensure_packages PACKAGE...: installs those that are missing; touches neither apt nor the network if none is.
