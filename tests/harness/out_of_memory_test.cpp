@@ -128,7 +128,7 @@ class OutOfMemory : public TemporaryFolderTest {
     for (long number = 0; ended != kNothingFailed; ++number) {
       ended = in_a_process([&] { return attempt(read, expected, number); });
       ASSERT_TRUE(ended == kRight || ended == kNoMemory || ended == kNothingFailed)
-          << "allocation " << number;
+          << "allocation " << number << ": " << ended;
     }
   }
 
@@ -167,6 +167,15 @@ TEST_F(OutOfMemory, Obj) {
   expect_right_inputs("obj", "input.obj", [](const fs::path& file, const SceneWarning& warn) {
     return load_obj(file.string(), warn);
   });
+}
+
+TEST_F(OutOfMemory, ObjSequences) {
+  for (const char* name : {"walk/w_-1.obj", "walk/w_0.obj"})
+    write(name, "mtllib a.mtl b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
+  write("walk/a.mtl", "newmtl red\nKd 1 0 0\nmap_Kd red.png\n");
+  write("walk/.w_1.obj", "");
+  for (const char* name : {"walk", "walk/w_%d.obj"})
+    expect_right_or_no_memory([&](const SceneWarning& warn) { return in_words(load_obj(at(name), warn)); });
 }
 
 TEST_F(OutOfMemory, Exr) {
