@@ -29,8 +29,9 @@ void* allocate(std::size_t bytes, std::align_val_t alignment) noexcept {
 }
 
 void* or_throw(void* memory) {
-  if (memory == nullptr) throw std::bad_alloc();
-  return memory;
+  if (memory != nullptr) return memory;
+  if (const std::new_handler handler = std::get_new_handler()) handler();
+  throw std::bad_alloc();
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <new>
 
 #include "harness/cli/distance_figures.h"
 #include "harness/hard_cases/judged_case.h"
@@ -88,6 +89,8 @@ class FamilyRun {
     try {
       build_structure(name, scene, threads_.count());
       return "";
+    } catch (const std::bad_alloc&) {
+      throw;
     } catch (const std::exception& e) {
       return e.what();
     }

@@ -45,10 +45,16 @@ constexpr std::string_view kUtf8Mark = "\xEF\xBB\xBF";
 
 }  // namespace
 
-std::size_t input_file_size(const std::filesystem::path& path, std::size_t most_bytes) {
-  const OpenFile file(path, kReading);
-  if (!file.is_open()) fail(errno);
-  return checked_size(file, most_bytes);
+InputFile::InputFile(const std::filesystem::path& path, std::size_t most_bytes) : file_(path, kReading) {
+  if (!file_.is_open()) fail(errno);
+  size_ = checked_size(file_, most_bytes);
+}
+
+void InputFile::read(std::size_t offset, std::span<char> bytes) const {
+  const std::size_t read = file_.read_all(bytes, offset);
+  if (read == bytes.size()) return;
+  if (errno != 0) fail(errno);
+  throw InputFileError(fmt::format("ends after {} of its {} bytes", offset + read, size_));
 }
 
 std::string read_text_file(const std::filesystem::path& path, std::size_t most_bytes) {
@@ -61,13 +67,17 @@ std::string read_text_file(const std::filesystem::path& path, std::size_t most_b
 }
 
 std::string read_whole_file(const std::filesystem::path& path, std::size_t most_bytes) {
+  const InputFile file(path, most_bytes);
+  std::string bytes(file.size(), '\0');
+  file.read(0, bytes);
+  return bytes;
+}
+
+std::string read_proc_file(const std::filesystem::path& path) {
   const OpenFile file(path, kReading);
-  if (!file.is_open()) fail(errno);
-  std::string bytes(checked_size(file, most_bytes), '\0');
-  const std::size_t read = file.read_all(bytes);
-  if (read == bytes.size()) return bytes;
-  if (errno != 0) fail(errno);
-  throw InputFileError(fmt::format("ends after {} of its {} bytes", read, bytes.size()));
+  std::string bytes(4096, '\0');
+  bytes.resize(file.read_all(bytes, 0));
+  return bytes;
 }
 
 }  // namespace stbvh::harness

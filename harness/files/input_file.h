@@ -1,10 +1,14 @@
-/// Files that are read whole.
+/// Files that are read. Not with the standard library's streams: where memory runs out they end early, as at
+/// the end of a file.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
+#include <span>
 #include <stdexcept>
 #include <string>
+
+#include "plugin/files/open_file.h"
 
 namespace stbvh::harness {
 
@@ -24,7 +28,21 @@ std::string read_whole_file(const std::filesystem::path& path, std::size_t most_
 /// says UTF-16 or UTF-32.
 std::string read_text_file(const std::filesystem::path& path, std::size_t most_bytes);
 
-/// Bytes of a file of which parts are read: refused as by read_whole_file().
-std::size_t input_file_size(const std::filesystem::path& path, std::size_t most_bytes);
+/// A file of which parts are read: refused as by read_whole_file().
+class InputFile {
+ public:
+  InputFile(const std::filesystem::path& path, std::size_t most_bytes);
+
+  std::size_t size() const { return size_; }
+  /// Fills `bytes` with what stands from `offset` on. Throws InputFileError.
+  void read(std::size_t offset, std::span<char> bytes) const;
+
+ private:
+  OpenFile file_;
+  std::size_t size_;
+};
+
+/// What a file in /proc begins with, 4096 bytes at most; nothing where it cannot be read.
+std::string read_proc_file(const std::filesystem::path& path);
 
 }  // namespace stbvh::harness

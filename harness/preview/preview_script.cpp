@@ -7,10 +7,10 @@
 #include <charconv>
 #include <cmath>
 #include <optional>
-#include <sstream>
 #include <string_view>
 
 #include "harness/files/input_file.h"
+#include "harness/files/text.h"
 #include "harness/program/closest_name.h"
 #include "harness/program/usage_error.h"
 #include "harness/scenes/reach.h"
@@ -101,13 +101,13 @@ double ScriptCommand::number(std::size_t i) const {
 
 std::vector<ScriptCommand> parse_script(const std::string& text) {
   std::vector<ScriptCommand> commands;
-  std::istringstream lines(text);
-  std::string line;
-  for (std::size_t number = 1; std::getline(lines, line); ++number) {
-    std::istringstream words(line.substr(0, line.find('#')));
-    ScriptCommand command{number, "", {}};
-    if (!(words >> command.name)) continue;
-    for (std::string word; words >> word;) command.words.push_back(word);
+  std::string_view rest = text;
+  for (std::size_t number = 1; !rest.empty(); ++number) {
+    std::string_view line = take_line(rest);
+    line = line.substr(0, line.find('#'));
+    ScriptCommand command{number, std::string(take_word(line)), {}};
+    if (command.name.empty()) continue;
+    for (auto word = take_word(line); !word.empty(); word = take_word(line)) command.words.emplace_back(word);
     check(command);
     commands.push_back(std::move(command));
   }

@@ -39,9 +39,19 @@ int fail(int code, const std::string& text) {
   _exit(1);
 }
 
+thread_local bool have_lacked_memory = false;  // in operator new
+
+[[noreturn]] void on_new_failed() {
+  have_lacked_memory = true;
+  throw std::bad_alloc();
+}
+
+/// An exception that gets as far as a function that must not throw may come here without being caught first:
+/// then nobody knows its type.
 [[noreturn]] void on_terminate() {
   try {
     if (std::current_exception()) throw;
+    if (std::uncaught_exceptions() > 0 && have_lacked_memory) end_without_memory();
   } catch (const std::bad_alloc&) {
     end_without_memory();
   } catch (...) {
@@ -67,6 +77,7 @@ void release(void* data, std::size_t) {
 
 /// Runs before the constructors of all libraries, which take memory too.
 void prepare(int, char**, char**) {
+  std::set_new_handler(on_new_failed);
   std::set_terminate(on_terminate);
   mp_set_memory_functions(allocate_or_end, reallocate_or_end, release);  // GMP itself would abort
   std::signal(SIGXFSZ, SIG_IGN);  // a file that becomes too large is an error of write()

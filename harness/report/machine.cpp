@@ -4,9 +4,10 @@
 #include <sched.h>
 #include <unistd.h>
 
-#include <fstream>
 #include <new>
 
+#include "harness/files/input_file.h"
+#include "harness/files/text.h"
 #include "stbvh/isa.h"
 #include "stbvh/stbvh_embree.h"
 #include "stbvh_commit.h"
@@ -16,18 +17,18 @@ namespace {
 
 /// The first processor's name, with family and model: virtual machines often leave the generation out of it.
 std::string cpu_model() {
-  std::ifstream file("/proc/cpuinfo");
-  std::string name = "unknown", family, model;
-  for (std::string line; std::getline(file, line) && !line.empty();) {
+  const std::string text = read_proc_file("/proc/cpuinfo");
+  std::string_view name = "unknown", family, model, rest = text;
+  for (auto line = take_line(rest); !line.empty(); line = take_line(rest)) {
     const std::size_t colon = line.find(':');
     if (colon == std::string::npos || colon + 2 > line.size()) continue;
-    const std::string key = line.substr(0, line.find_last_not_of(" \t", colon - 1) + 1);
-    const std::string value = line.substr(colon + 2);
+    const std::string_view key = line.substr(0, line.find_last_not_of(" \t", colon - 1) + 1);
+    const std::string_view value = line.substr(colon + 2);
     if (key == "model name") name = value;
     if (key == "cpu family") family = value;
     if (key == "model") model = value;
   }
-  return family.empty() || model.empty() ? name
+  return family.empty() || model.empty() ? std::string(name)
                                          : fmt::format("{} (family {}, model {})", name, family, model);
 }
 

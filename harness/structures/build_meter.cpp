@@ -3,16 +3,18 @@
 #include <malloc.h>
 #include <unistd.h>
 
-#include <fstream>
+#include <cstdlib>
+#include <string>
+
+#include "harness/files/input_file.h"
 
 namespace stbvh::harness {
 
 std::size_t resident_bytes() {
   malloc_trim(0);
-  std::size_t total_pages = 0;
-  std::size_t resident_pages = 0;
-  std::ifstream("/proc/self/statm") >> total_pages >> resident_pages;
-  return resident_pages * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
+  const std::string pages = read_proc_file("/proc/self/statm");  // the second number: those in memory
+  const std::size_t resident = std::strtoul(pages.c_str() + pages.find(' ') + 1, nullptr, 10);
+  return resident * static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
 }
 
 BuildMeter::BuildMeter(unsigned threads) : resident_before_(resident_bytes()) {

@@ -1,10 +1,12 @@
 #include "harness/structures/memory_estimate.h"
 
 #include <algorithm>
-#include <fstream>
+#include <cstdlib>
 #include <limits>
 #include <string>
+#include <string_view>
 
+#include "harness/files/input_file.h"
 #include "harness/structures/lbvh.h"
 
 namespace stbvh::harness {
@@ -48,14 +50,11 @@ std::size_t estimate_peak_bytes(std::string_view name, const Scene& scene) {
 }
 
 std::size_t available_memory_bytes() {
-  std::ifstream file("/proc/meminfo");
-  std::string key;
-  std::size_t kilobytes = 0;
-  while (file >> key >> kilobytes) {
-    if (key == "MemAvailable:") return kilobytes * 1024;
-    file.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
-  }
-  return std::numeric_limits<std::size_t>::max();
+  constexpr std::string_view kKey = "\nMemAvailable:";
+  const std::string text = read_proc_file("/proc/meminfo");
+  const std::size_t at = text.find(kKey);
+  if (at == std::string::npos) return std::numeric_limits<std::size_t>::max();
+  return std::strtoul(text.c_str() + at + kKey.size(), nullptr, 10) * 1024;
 }
 
 }  // namespace stbvh::harness

@@ -25,12 +25,14 @@ class OpenFile {
   bool is_open() const { return descriptor_ >= 0; }
   int descriptor() const { return descriptor_; }
 
-  /// How many bytes arrived: fewer than asked for at the end of the file, with errno 0, or after a failure.
-  std::size_t read_all(std::span<char> bytes) const {
+  /// How many bytes arrived from `offset` on: fewer than asked for at the end of the file, with errno 0, or
+  /// after a failure.
+  std::size_t read_all(std::span<char> bytes, std::size_t offset) const {
     errno = 0;
     std::size_t done = 0;
     while (done < bytes.size()) {
-      const ssize_t n = read(descriptor_, bytes.data() + done, bytes.size() - done);
+      const ssize_t n =
+          pread(descriptor_, bytes.data() + done, bytes.size() - done, static_cast<off_t>(offset + done));
       if (n < 0 && errno == EINTR) continue;
       if (n <= 0) break;
       done += static_cast<std::size_t>(n);

@@ -26,9 +26,9 @@ std::string refusal_of(const fs::path& path) {
   return "";
 }
 
-class InputFile : public TemporaryFolderTest {};
+class InputFiles : public TemporaryFolderTest {};
 
-TEST_F(InputFile, IsReadWhole) {
+TEST_F(InputFiles, IsReadWhole) {
   const std::string bytes("a\0b\xFF\r\n", 6);
   EXPECT_EQ(read_whole_file(write("a.bin", bytes), kMost), bytes);
   EXPECT_EQ(read_whole_file(write("empty", ""), 0), "");
@@ -36,7 +36,7 @@ TEST_F(InputFile, IsReadWhole) {
   EXPECT_EQ(read_whole_file(folder / "link", kMost), bytes);
 }
 
-TEST_F(InputFile, ThatIsTooLargeIsRefusedByItsSize) {
+TEST_F(InputFiles, ThatIsTooLargeIsRefusedByItsSize) {
   const std::string bytes(kMost, 'x');
   EXPECT_EQ(read_whole_file(write("fits", bytes), kMost), bytes);
   EXPECT_EQ(refusal_of(write("larger", bytes + "x")), "has 101 bytes, but at most 100 are read");
@@ -44,7 +44,7 @@ TEST_F(InputFile, ThatIsTooLargeIsRefusedByItsSize) {
   EXPECT_EQ(refusal_of(folder / "sparse"), "has 107374182400 bytes, but at most 100 are read");
 }
 
-TEST_F(InputFile, WhatIsNotAFileIsRefused) {
+TEST_F(InputFiles, WhatIsNotAFileIsRefused) {
   EXPECT_EQ(refusal_of(folder / "none"), "does not exist");
   EXPECT_EQ(refusal_of(folder), "is not a regular file");
   ASSERT_EQ(mkfifo(at("pipe").c_str(), 0600), 0);
@@ -54,7 +54,7 @@ TEST_F(InputFile, WhatIsNotAFileIsRefused) {
   EXPECT_EQ(refusal_of(folder / "a"), "cannot be read: Too many levels of symbolic links");
 }
 
-TEST_F(InputFile, TextLosesItsByteOrderMark) {
+TEST_F(InputFiles, TextLosesItsByteOrderMark) {
   EXPECT_EQ(read_text_file(write("a", "\xEF\xBB\xBFtext\xEF\xBB\xBF"), kMost), "text\xEF\xBB\xBF");
   EXPECT_EQ(read_text_file(write("a", "\xEF\xBB"), kMost), "\xEF\xBB");
   EXPECT_EQ(read_text_file(write("a", ""), kMost), "");
@@ -71,10 +71,20 @@ TEST_F(InputFile, TextLosesItsByteOrderMark) {
   }
 }
 
-TEST_F(InputFile, TellsItsSize) {
-  EXPECT_EQ(input_file_size(write("a", "abc"), 3), 3u);
-  EXPECT_THROW(input_file_size(folder / "a", 2), InputFileError);
-  EXPECT_THROW(input_file_size(folder, 2), InputFileError);
+TEST_F(InputFiles, IsReadInParts) {
+  const InputFile file(write("a", "abcd"), 4);
+  EXPECT_EQ(file.size(), 4u);
+  std::string part(2, ' ');
+  file.read(1, part);
+  EXPECT_EQ(part, "bc");
+  EXPECT_THROW(file.read(3, part), InputFileError);
+  EXPECT_THROW(InputFile(folder / "a", 3), InputFileError);
+  EXPECT_THROW(InputFile(folder, 3), InputFileError);
+}
+
+TEST(ProcFile, IsReadFromItsBeginning) {
+  EXPECT_TRUE(read_proc_file("/proc/meminfo").starts_with("MemTotal:"));
+  EXPECT_EQ(read_proc_file("/proc/nothing"), "");
 }
 
 class OutputFile : public TemporaryFolderTest {};

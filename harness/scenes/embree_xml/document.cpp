@@ -5,7 +5,7 @@
 #include <cstring>
 #include <system_error>
 
-#include "harness/files/input_file.h"
+#include "harness/files/text.h"
 #include "harness/scenes/cancellation.h"
 #include "harness/scenes/embree_xml/numbers.h"
 #include "harness/scenes/embree_xml/problem.h"
@@ -43,9 +43,9 @@ std::string text_of(pugi::xml_node node) {
 
 std::vector<float> float_attribute(pugi::xml_node node, const char* name, std::size_t count) {
   const char* const text = node.attribute(name).value();
-  Words words(text);
+  std::string_view rest = text;
   std::vector<float> values;
-  for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+  for (auto word = take_word(rest); !word.empty(); word = take_word(rest)) {
     const auto value = parse_number<float>(word);
     values.push_back(value.value_or(std::nanf("")));
   }
@@ -78,7 +78,7 @@ std::string Document::place(std::ptrdiff_t offset) const {
 }
 
 void Document::open_binary(pugi::xml_node array) {
-  if (binary_.is_open()) return;
+  if (binary_) return;
   fs::path beside = file_;
   beside.replace_extension(".bin");
   fs::path appended = file_;
@@ -87,13 +87,11 @@ void Document::open_binary(pugi::xml_node array) {
   for (const fs::path& path : {beside, appended}) {
     if (fs::status(path, error).type() == fs::file_type::not_found) continue;
     try {
-      binary_size_ = input_file_size(path, kMaxSceneFileBytes);
+      binary_.emplace(path, kMaxSceneFileBytes);
     } catch (const InputFileError& problem) {
       fail(array, "\"{}\" {}", path.string(), problem.what());
     }
     binary_path_ = path;
-    binary_.open(path, std::ios::binary);
-    if (!binary_.is_open()) fail(array, "\"{}\" cannot be opened", path.string());
     return;
   }
   fail(array, "its <{}> stands in a binary file, but there is neither \"{}\" nor \"{}\"", array.name(),
@@ -105,17 +103,18 @@ void Document::read_binary(pugi::xml_node array, std::size_t element_bytes, std:
   const std::uint64_t size = count_attribute(array, array.attribute("size").empty() ? "num" : "size");
   if (size == 0) return;
   open_binary(array);
-  if (offset > binary_size_ || size > (binary_size_ - offset) / element_bytes)
+  if (offset > binary_->size() || size > (binary_->size() - offset) / element_bytes)
     fail(array, "its <{}> needs {} elements of {} bytes from byte {} on, but \"{}\" has only {} bytes",
-         array.name(), size, element_bytes, offset, binary_path_.string(), binary_size_);
+         array.name(), size, element_bytes, offset, binary_path_.string(), binary_->size());
   bytes_read_ += size * element_bytes;
   if (bytes_read_ > kMaxSceneFileBytes)
     fail(array, "its arrays need more than {} GB", kMaxSceneFileBytes >> 30);
   bytes.resize(size * element_bytes);
-  binary_.clear();
-  binary_.seekg(static_cast<std::streamoff>(offset));
-  binary_.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  if (!binary_) fail(array, "\"{}\" cannot be read", binary_path_.string());
+  try {
+    binary_->read(offset, bytes);
+  } catch (const InputFileError& problem) {
+    fail(array, "\"{}\" {}", binary_path_.string(), problem.what());
+  }
 }
 
 template <class T>
@@ -131,8 +130,8 @@ std::vector<T> Document::numbers(pugi::xml_node array, std::size_t per_element) 
   }
   for (const pugi::xml_node child : array.children()) {
     if (child.type() != pugi::node_pcdata && child.type() != pugi::node_cdata) continue;
-    Words words(child.value());
-    for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+    std::string_view rest = child.value();
+    for (auto word = take_word(rest); !word.empty(); word = take_word(rest)) {
       const auto value = parse_number<T>(word);
       if (!value) fail(array, "its <{}> has \"{}\" among its numbers", array.name(), word.substr(0, 40));
       values.push_back(*value);

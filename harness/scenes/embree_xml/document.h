@@ -4,11 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
+#include <optional>
 #include <pugixml.hpp>
 #include <string>
 #include <vector>
 
+#include "harness/files/input_file.h"
 #include "harness/scenes/affine.h"
 #include "harness/scenes/scene.h"
 
@@ -45,8 +46,7 @@ class Document {
   pugi::xml_document xml_;
   pugi::xml_node scene_;
   std::filesystem::path binary_path_;
-  std::ifstream binary_;
-  std::uint64_t binary_size_ = 0;
+  std::optional<InputFile> binary_;
   std::size_t bytes_read_ = 0;  ///< of arrays, together
 };
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <sstream>
 
 #include "harness/files/input_file.h"
+#include "harness/files/text.h"
 #include "harness/scenes/embree_xml/disc_light.h"
 #include "harness/scenes/embree_xml/numbers.h"
 #include "harness/scenes/reach.h"
@@ -14,12 +14,12 @@ namespace stbvh::harness::embree_xml {
 namespace {
 
 std::deque<std::string> words_of(const std::filesystem::path& file) {
-  std::istringstream lines(read_text_file(file, kMaxHandwrittenBytes));
+  const std::string text = read_text_file(file, kMaxHandwrittenBytes);
   std::deque<std::string> words;
-  for (std::string line; std::getline(lines, line);) {
-    line.resize(std::min(line.find('#'), line.size()));
-    std::istringstream rest(line);
-    for (std::string word; rest >> word;) words.push_back(word);
+  for (std::string_view rest = text; !rest.empty();) {
+    std::string_view line = take_line(rest);
+    line = line.substr(0, line.find('#'));
+    for (auto word = take_word(line); !word.empty(); word = take_word(line)) words.emplace_back(word);
   }
   return words;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "harness/files/text.h"
 #include "harness/scenes/embree_xml/document.h"
 #include "harness/scenes/embree_xml/numbers.h"
 #include "harness/scenes/obj/mtl_file.h"
@@ -22,10 +23,10 @@ class Parameters {
         continue;
       }
       const std::string text = text_of(entry);
-      Words words(text);
+      std::string_view rest = text;
       std::vector<float>& values = values_[entry.attribute("name").value()];
       values.clear();
-      for (std::string_view word = words.next(); !word.empty(); word = words.next()) {
+      for (auto word = take_word(rest); !word.empty(); word = take_word(rest)) {
         const auto value = parse_number<float>(word);
         if (!value || !std::isfinite(*value))
           fail(entry, "the material parameter \"{}\" is not a number", entry.attribute("name").value());

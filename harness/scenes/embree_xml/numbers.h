@@ -1,7 +1,6 @@
 /// Numbers in text, as Embree's scene files have them.
 #pragma once
 
-#include <algorithm>
 #include <charconv>
 #include <optional>
 #include <string_view>
@@ -9,24 +8,6 @@
 #include <type_traits>
 
 namespace stbvh::harness::embree_xml {
-
-/// The words of a text, between white space.
-class Words {
- public:
-  explicit Words(std::string_view text) : rest_(text) {}
-
-  /// The next one; empty behind the last.
-  std::string_view next() {
-    constexpr std::string_view kSpace = " \t\r\n\f\v";
-    rest_.remove_prefix(std::min(rest_.find_first_not_of(kSpace), rest_.size()));
-    const std::string_view word = rest_.substr(0, rest_.find_first_of(kSpace));
-    rest_.remove_prefix(word.size());
-    return word;
-  }
-
- private:
-  std::string_view rest_;
-};
 
 /// A whole word as a number, with a sign if there is one; floats may be "inf" and "nan", too, and are
 /// infinite beyond their range.

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -40,11 +39,9 @@ struct Container {
 
 Bytes read_bytes(const std::filesystem::path& file, std::string_view what) {
   try {
-    Bytes bytes(input_file_size(file, std::numeric_limits<std::uint32_t>::max()));
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()))) {
-      fail("{} cannot be read", what);
-    }
+    const InputFile input(file, std::numeric_limits<std::uint32_t>::max());
+    Bytes bytes(input.size());
+    input.read(0, {reinterpret_cast<char*>(bytes.data()), bytes.size()});
     return bytes;
   } catch (const InputFileError& e) {
     fail("{} {}", what, e.what());

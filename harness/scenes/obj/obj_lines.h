@@ -1,10 +1,11 @@
-/// The lines and words of OBJ files and their material libraries.
+/// The lines of OBJ files and their material libraries.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <string_view>
+
+#include "harness/files/text.h"
 
 namespace stbvh::harness {
 
@@ -32,15 +33,11 @@ class ObjLines {
   /// Of the line, counted from 1; of a continued one, its first.
   std::size_t number() const { return number_; }
 
-  static constexpr std::string_view kBlanks = " \t\r\v\f";
-
  private:
   static bool is_continued(std::string_view line) { return !line.empty() && line.back() == '\\'; }
 
   std::string_view physical_line() {
-    const std::size_t end = std::min(rest_.find('\n'), rest_.size());
-    std::string_view line = rest_.substr(0, end);
-    rest_.remove_prefix(std::min(end + 1, rest_.size()));
+    std::string_view line = take_line(rest_);
     ++next_number_;
     line = line.substr(0, line.find('#'));
     const std::size_t last = line.find_last_not_of(kBlanks);
@@ -51,18 +48,5 @@ class ObjLines {
   std::string joined_;
   std::size_t number_ = 0, next_number_ = 1;
 };
-
-inline std::string_view without_leading_blanks(std::string_view line) {
-  line.remove_prefix(std::min(line.find_first_not_of(ObjLines::kBlanks), line.size()));
-  return line;
-}
-
-/// Takes the first word off `line`; empty at its end.
-inline std::string_view take_word(std::string_view& line) {
-  line = without_leading_blanks(line);
-  const std::string_view word = line.substr(0, line.find_first_of(ObjLines::kBlanks));
-  line.remove_prefix(word.size());
-  return word;
-}
 
 }  // namespace stbvh::harness
