@@ -11,6 +11,13 @@ struct QueryFilter {
   bool on_all_meshes = true;  ///< else only on those that ask for it
 };
 
+/// Whether an Embree lays out queries as this library takes them: a program may run with another Embree than
+/// the one whose headers this was compiled with.
+struct EmbreeLayout {
+  bool options_behind_arguments = false;  ///< where options_behind looks for them
+  bool hits = false;                      ///< else nothing may be written to them
+};
+
 #if RTC_VERSION_MAJOR >= 4
 
 using QueryContext = RTCRayQueryContext;
@@ -26,9 +33,9 @@ inline QueryContext new_context() {
   return context;
 }
 
-/// Whether this Embree keeps a query's options where options_behind looks for them. Found out by a query,
-/// once. Throws std::bad_alloc where there is no memory for it.
-bool keeps_options_behind_arguments();
+/// Of the Embree in this process, found out by queries, once. Throws std::bad_alloc where there is no memory
+/// for it.
+EmbreeLayout embree_layout();
 
 template <typename Options>
 QueryFilter filter_of(const Options& options) {
@@ -77,8 +84,8 @@ inline QueryContext new_context() {
   return context;
 }
 
-inline bool keeps_options_behind_arguments() {
-  return true;
+inline EmbreeLayout embree_layout() {
+  return {true, true};
 }
 
 template <typename Arguments>

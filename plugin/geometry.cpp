@@ -99,8 +99,14 @@ BuildCallbacks Geometry::build_callbacks(TemporaryMemory& temporary_memory) cons
 }
 
 std::shared_ptr<const Published> Geometry::build(TemporaryMemory& temporary_memory) const {
+  const EmbreeLayout layout = embree_layout();
+  if (!layout.hits) {
+    throw ApiError(
+        RTC_ERROR_INVALID_OPERATION,
+        "hits of this Embree are laid out otherwise than those of the one this library was built with");
+  }
   auto published = std::make_shared<Published>();
-  published->runs_query_filters = keeps_options_behind_arguments();
+  published->runs_query_filters = layout.options_behind_arguments;
   std::vector<MeshView> views;
   std::vector<MeshMotion> motions;
   for (const MeshDescription& mesh : meshes_) {

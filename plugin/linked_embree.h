@@ -6,7 +6,7 @@
 namespace stbvh::plugin {
 
 /// The functions of the Embree that this library is linked with, for UserGeometry and
-/// finds_options_behind_arguments.
+/// try_layout.
 struct LinkedEmbree {
   static constexpr auto rtcNewGeometry = ::rtcNewGeometry;
   static constexpr auto rtcReleaseGeometry = ::rtcReleaseGeometry;
@@ -19,6 +19,7 @@ struct LinkedEmbree {
   static constexpr auto rtcSetGeometryTimeStepCount = ::rtcSetGeometryTimeStepCount;
   static constexpr auto rtcSetGeometryTimeRange = ::rtcSetGeometryTimeRange;
   static constexpr auto rtcSetGeometryMask = ::rtcSetGeometryMask;
+  static constexpr auto rtcSetSharedGeometryBuffer = ::rtcSetSharedGeometryBuffer;
   static constexpr auto rtcNewScene = ::rtcNewScene;
   static constexpr auto rtcReleaseScene = ::rtcReleaseScene;
   static constexpr auto rtcAttachGeometry = ::rtcAttachGeometry;

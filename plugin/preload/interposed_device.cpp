@@ -12,8 +12,8 @@ using stbvh::preload::real;
 
 namespace {
 
-/// Other majors have the same names, but rays and callbacks of another kind. Embree 2 has no properties, and
-/// no function of this library's names but rtcNewDevice. Silent where the library for that major stands
+/// Other majors have the same names, but rays and callbacks of another kind. Embree 2 has no properties.
+/// Silent where the library for that major stands
 /// before the same program.
 bool is_our_major(RTCDevice device) {
   const auto property = real().rtcGetDeviceProperty;

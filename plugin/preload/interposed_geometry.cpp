@@ -79,13 +79,13 @@ void rtcSetGeometryMask(RTCGeometry geometry, unsigned mask) {
 }
 
 void rtcSetGeometryIntersectFilterFunction(RTCGeometry geometry, RTCFilterFunctionN filter) {
-  set_and_record(
+  set_and_record<&TrackedGeometry::touched>(
       geometry, [&] { real().rtcSetGeometryIntersectFilterFunction(geometry, filter); },
       [&](TrackedGeometry& g) { g.intersect_filter = filter; });
 }
 
 void rtcSetGeometryOccludedFilterFunction(RTCGeometry geometry, RTCFilterFunctionN filter) {
-  set_and_record(
+  set_and_record<&TrackedGeometry::touched>(
       geometry, [&] { real().rtcSetGeometryOccludedFilterFunction(geometry, filter); },
       [&](TrackedGeometry& g) { g.occluded_filter = filter; });
 }

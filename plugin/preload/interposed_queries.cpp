@@ -1,4 +1,4 @@
-/// Queries that only Embree's own triangles answer. Rays are not here: they go straight to Embree.
+/// Queries that only Embree's own triangles answer.
 #include "plugin/preload/native_twin.h"
 #include "plugin/preload/real_embree.h"
 

@@ -35,8 +35,8 @@ void share_buffer(RTCGeometry copy, RTCBufferType type, unsigned slot, const Bou
 }
 
 void share_steps(RTCGeometry copy, RTCBufferType type, const TrackedGeometry& geometry) {
-  for (unsigned step = 0; step < geometry.step_count; ++step) {
-    share_buffer(copy, type, step, geometry.steps[step]);
+  for (unsigned step = 0; step < geometry.steps.size(); ++step) {
+    if (geometry.steps[step].data != nullptr) share_buffer(copy, type, step, geometry.steps[step]);
   }
 }
 
@@ -64,11 +64,15 @@ RTCScene twin_of(const std::shared_ptr<TrackedScene>& scene) {
 
 RTCGeometry copy_of_instance_array(const TrackedGeometry& instances) {
   const RTCGeometry copy = real().rtcNewGeometry(instances.device, instances.type);
-  std::vector<RTCScene> scenes;
-  for (const auto& scene : instances.instanced) scenes.push_back(twin_of(scene));
-  real().rtcSetGeometryInstancedScenes(copy, scenes.data(), scenes.size());
   set_times(copy, instances);
-  if (instances.indices.data != nullptr) share_buffer(copy, RTC_BUFFER_TYPE_INDEX, 0, instances.indices);
+  if (instances.indices.data != nullptr) {
+    std::vector<RTCScene> scenes;
+    for (const auto& scene : instances.instanced) scenes.push_back(twin_of(scene));
+    real().rtcSetGeometryInstancedScenes(copy, scenes.data(), scenes.size());
+    share_buffer(copy, RTC_BUFFER_TYPE_INDEX, 0, instances.indices);
+  } else {  // of many scenes Embree would look for indices
+    real().rtcSetGeometryInstancedScene(copy, twin_of(instances.instanced.front()));
+  }
   share_steps(copy, RTC_BUFFER_TYPE_TRANSFORM, instances);
   real().rtcSetGeometryMask(copy, instances.mask);
   return copy;

@@ -3,6 +3,7 @@
 #include <dlfcn.h>
 #include <link.h>
 
+#include <array>
 #include <cstddef>
 #include <cstdio>
 #include <cstdlib>
@@ -17,20 +18,30 @@ std::string_view name_of(const char* path) {
   return view.substr(view.rfind('/') + 1);
 }
 
-/// dl_iterate_phdr calls it for all that is loaded, until it returns 1.
-int take_embree(dl_phdr_info* info, std::size_t, void* found) {
+/// Names of what is loaded, in memory of the loader.
+struct Loaded {
+  std::array<const char*, 16> embrees{};
+  std::size_t count = 0;
+};
+
+int note_embree(dl_phdr_info* info, std::size_t, void* user) {
+  Loaded& loaded = *static_cast<Loaded*>(user);
   if (!name_of(info->dlpi_name).starts_with("libembree")) return 0;
-  void*& library = *static_cast<void**>(found);
-  library = dlopen(info->dlpi_name, RTLD_LAZY | RTLD_NOLOAD);
-  return library != nullptr && dlsym(library, "rtcNewDevice") != nullptr ? 1 : 0;
+  loaded.embrees[loaded.count++] = info->dlpi_name;
+  return loaded.count == loaded.embrees.size() ? 1 : 0;
 }
 
 /// Programs that load a module which links to Embree, such as Python, may keep it out of the global scope,
 /// and under a longer name (libembree4-4aef3270.so.4). Other versions have a function or more of the same
 /// name, which come here too, to be passed on.
 void* find_loaded() {
-  void* library = nullptr;
-  return dl_iterate_phdr(take_embree, &library) == 1 ? library : nullptr;
+  Loaded loaded;
+  dl_iterate_phdr(note_embree, &loaded);  // which holds a lock that dlopen must not meet
+  for (std::size_t i = 0; i < loaded.count; ++i) {
+    void* const library = dlopen(loaded.embrees[i], RTLD_LAZY | RTLD_NOLOAD);
+    if (library != nullptr && dlsym(library, "rtcNewDevice") != nullptr) return library;
+  }
+  return nullptr;
 }
 
 void* look_up(const char* name) {

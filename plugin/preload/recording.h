@@ -8,15 +8,16 @@
 
 namespace stbvh::preload {
 
-/// Calls `native`, which sets something of `geometry`, and `record` with what we know of that.
-template <typename Native, typename Record>
+/// Calls `native`, which sets something of `geometry`, and `record` with what we know of that. `kChange`:
+/// what the setter is to Embree.
+template <auto kChange = &TrackedGeometry::modified, typename Native, typename Record>
 void set_and_record(RTCGeometry geometry, Native&& native, Record&& record) {
   const ErrorWatch watch;
   native();
   if (watch.failed()) return;
   const auto tracked = geometries().find(geometry);
   if (tracked == nullptr) return;
-  tracked->modified();
+  (tracked.get()->*kChange)();
   try {
     record(*tracked);
   } catch (const std::bad_alloc&) {

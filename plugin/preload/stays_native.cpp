@@ -16,8 +16,8 @@ const char* describe(StaysNative reason) {
       return "time range empty, next to empty or not finite";
     case StaysNative::kTooLarge:
       return "too large";
-    case StaysNative::kQueryOptions:
-      return "Embree that keeps the options of queries elsewhere";
+    case StaysNative::kLayout:
+      return "Embree that lays out queries otherwise";
     case StaysNative::kNoMemory:
       return "no memory to follow it";
     case StaysNative::kDevice:

@@ -14,7 +14,7 @@ enum class StaysNative {
   kTimeRange,
   kTooLarge,
   kDevice,
-  kQueryOptions,
+  kLayout,
   kNoMemory
 };
 inline constexpr std::size_t kStaysNativeCount = 9;

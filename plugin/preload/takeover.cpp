@@ -27,11 +27,11 @@ struct CommitError {
 
 }  // namespace
 
-GroupSettings TrackedScene::group_settings() const {
+GroupSettings TrackedScene::group_settings(const Plan& plan) const {
   const RTCSceneFlags flags = real().rtcGetSceneFlags(handle_);
   const Preset preset = environment().preset;
   GroupSettings settings;
-  settings.runs_query_filters = (flags & plugin::kSceneTakesQueryFilters) != 0;
+  settings.runs_query_filters = plan.has_filters || (flags & plugin::kSceneTakesQueryFilters) != 0;
   if (preset == Preset::kCompact) settings.build.inline_share = STBVH_INLINE_SHARE_COMPACT;
   if (preset == Preset::kFast && (flags & RTC_SCENE_FLAG_ROBUST) == 0) {
     settings.build.precision = Precision::kFast;
@@ -64,6 +64,7 @@ TrackedScene::Plan TrackedScene::make_plan() const {
       plan.meshes.emplace_back(geometry, reason);
     }
     if (!geometry->enabled) continue;
+    plan.has_filters |= geometry->has_filters();
     if (geometry->type == RTC_GEOMETRY_TYPE_TRIANGLE && reason == StaysNative::kNone) {
       plan.members.push_back({geom_id, geometry, geometry->version});
     } else {
@@ -79,7 +80,7 @@ void TrackedScene::set_own_share(double share) {
 }
 
 void TrackedScene::build_group(const Plan& plan, CommitTurns::Turn& turn) {
-  const GroupSettings settings = group_settings();
+  const GroupSettings settings = group_settings(plan);
   set_own_share(0);
   if (group_->is_built_of(plan.members, settings)) return;
   const double share = static_cast<double>(plan.members.size()) / static_cast<double>(plan.attached);
@@ -108,6 +109,7 @@ void TrackedScene::cancel_embrees_build() {
   real().rtcSetSceneProgressMonitorFunction(handle_, refuse, nullptr);
   real().rtcCommitScene(handle_);
   const std::lock_guard lock(mutex_);
+  is_clean_ = false;
   real().rtcSetSceneProgressMonitorFunction(handle_, progress_ == nullptr ? nullptr : native_progress, this);
 }
 
@@ -167,9 +169,14 @@ void TrackedScene::say(const Plan& plan) const {
 
 void TrackedScene::forward(bool join) {
   const ErrorWatch watch;
+  {
+    const std::lock_guard lock(mutex_);
+    if (forwarding_++ == 0) has_failed_ = false;
+  }
   join ? real().rtcJoinCommitScene(handle_) : real().rtcCommitScene(handle_);
   const std::lock_guard lock(mutex_);
-  is_clean_ = !watch.failed();
+  has_failed_ |= watch.failed();
+  is_clean_ = --forwarding_ == 0 && !has_failed_;
   commits_ = unique_number();
 }
 

@@ -10,7 +10,7 @@
 #include <string_view>
 #include <unordered_map>
 
-#include "plugin/options_trial.h"
+#include "plugin/layout_trial.h"
 #include "plugin/preload/real_embree.h"
 #include "plugin/preload/unique_number.h"
 
@@ -82,8 +82,8 @@ bool hits_as_we_do(RTCDevice device) {
 StaysNative why_native(RTCDevice device) {
   if (!hits_as_we_do(device)) return StaysNative::kDevice;
 #if RTC_VERSION_MAJOR >= 4
-  static const bool kKeepsOptions = plugin::finds_options_behind_arguments<real>(device);
-  if (!kKeepsOptions) return StaysNative::kQueryOptions;
+  static const plugin::EmbreeLayout kLayout = plugin::try_layout<real>(device);
+  if (!kLayout.options_behind_arguments || !kLayout.hits) return StaysNative::kLayout;
 #endif
   return StaysNative::kNone;
 }
@@ -136,8 +136,9 @@ bool TrackedDevice::report_memory(ssize_t bytes) {
 void TrackedDevice::on_error(void* device, RTCError code, const char* message) {
   ++thread_errors.reported;
   if (thread_errors.muted != 0) return;
-  thread_errors.message_of = 0;
-  static_cast<TrackedDevice*>(device)->tell(code, message);
+  TrackedDevice& self = *static_cast<TrackedDevice*>(device);
+  if (thread_errors.message_of == self.serial()) thread_errors.message_of = 0;
+  self.tell(code, message);
 }
 
 std::shared_ptr<TrackedDevice> find_device(RTCDevice handle) {

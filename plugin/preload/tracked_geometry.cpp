@@ -30,6 +30,10 @@ void TrackedGeometry::modified() {
   version = unique_number();
 }
 
+void TrackedGeometry::touched() {
+  version = unique_number();
+}
+
 void TrackedGeometry::was_committed() {
   committed = true;
   version = unique_number();

@@ -46,12 +46,18 @@ class TrackedGeometry {
 
   /// After a setter: rtcCommitGeometry has to follow.
   void modified();
+  /// After one of those behind which it need not.
+  void touched();
   void was_committed();
 
   /// The application's switch. Embree is told unless the mesh is taken over, for then it is off there.
   void set_enabled(bool value);
   /// Whether Embree itself shall answer for the mesh, as far as the application has it enabled.
   void give_to_embree(bool value);
+
+  bool has_filters() const {
+    return intersect_filter != nullptr || occluded_filter != nullptr || takes_query_filters;
+  }
 
   /// Whether a group answers for it instead.
   bool is_taken_over();

@@ -66,6 +66,7 @@ class TrackedScene {
     std::vector<Member> members;
     std::size_t attached = 0;
     bool has_others = false;              ///< that Embree answers for
+    bool has_filters = false;             ///< then Embree runs those of queries, whatever the scene's flags
     std::vector<std::uint64_t> contents;  ///< IDs and versions of everything
     bool is_certain = true;               ///< equal `contents` mean that nothing has changed
   };
@@ -87,7 +88,7 @@ class TrackedScene {
   void attach_proxy();
   void withdraw_proxy();
   void say(const Plan& plan) const;
-  GroupSettings group_settings() const;
+  GroupSettings group_settings(const Plan& plan) const;
   static bool native_progress(void* scene, double fraction);
   bool report_progress(double fraction);
 
@@ -106,6 +107,8 @@ class TrackedScene {
   std::uint64_t commits_ = 0;
   std::vector<std::uint64_t> contents_;  ///< at the last commit
   bool is_clean_ = false;                ///< Embree has built `contents_`
+  unsigned forwarding_ = 0;              ///< threads in Embree's commit; it tells one of them of a failure
+  bool has_failed_ = false;
 
   CommitTurns turns_;
   std::unique_ptr<Group> group_;  ///< changed by who has the turn

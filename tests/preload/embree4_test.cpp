@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <limits>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -278,6 +279,84 @@ TEST(PreloadFiltersOfQueries, RunOnAllMeshesOrOnThoseThatTakeThem) {
     }
     expect_same(twice, {});
   }
+}
+
+TEST(PreloadFiltersOfQueries, RunWithoutTheScenesFlagWhereAMeshHasOneOrTakesThem) {
+  const Mesh mesh = triangle_soup(15, 150, 3), other = triangle_soup(16, 50, 2);
+  for (const bool has_filter : {false, true}) {
+    Twice twice;
+    twice.both([&](const Embree& embree, RTCDevice device, RTCScene scene) {
+      const RTCGeometry geometry = new_mesh(embree, device, mesh);
+      if (has_filter) {
+        embree.rtcSetGeometryIntersectFilterFunction(geometry, reject_third);
+        embree.rtcSetGeometryOccludedFilterFunction(geometry, reject_third);
+      } else {
+        embree.rtcSetGeometryEnableFilterFunctionFromArguments(geometry, true);
+      }
+      attach(embree, scene, geometry);
+      attach(embree, scene, new_mesh(embree, device, other));
+    });
+    twice.commit();
+    for (const bool all : {false, true}) {
+      QueryOptions options;
+      options.filter = reject_odd;
+      options.filters_all_meshes = all;
+      expect_same(twice, options);
+    }
+  }
+}
+
+TEST(PreloadFiltersOfQueries, ThatThrowAreAnErrorOfTheDevice) {
+  const Mesh mesh = flat_triangle(0);
+  Twice twice;
+  twice.both([&](const Embree& embree, RTCDevice device, RTCScene scene) {
+    const RTCGeometry geometry = new_mesh(embree, device, mesh);
+    embree.rtcSetGeometryIntersectFilterFunction(
+        geometry, [](const RTCFilterFunctionNArguments*) { throw std::bad_alloc(); });
+    attach(embree, scene, geometry);
+  });
+  twice.commit();
+  EXPECT_TRUE(answers_alone(twice.our_scene));
+  RTCRayHit ray = ray_along_z(0, 0, 0.5f);
+  intersect_one(twice.our_scene, ray);
+  EXPECT_EQ(ours().rtcGetDeviceError(twice.our_device), RTC_ERROR_OUT_OF_MEMORY);
+}
+
+TEST(PreloadInstanceArrays, OfOneSceneAnswerPointQueries) {
+  const Mesh mesh = triangle_soup(17, 100, 3);
+  std::vector<float> transforms;
+  for (const float x : {-1.0f, 0.0f, 1.0f}) {
+    for (const float m : {1.0f, 0.0f, 0.0f, x, 0.0f, 1.0f, 0.0f, 0.0f, 0.0f, 0.0f, 1.0f, 0.0f}) {
+      transforms.push_back(m);
+    }
+  }
+  Twice twice;
+  twice.both([&](const Embree& embree, RTCDevice device, RTCScene scene) {
+    const RTCScene inner = embree.rtcNewScene(device);
+    attach(embree, inner, new_mesh(embree, device, mesh));
+    embree.rtcCommitScene(inner);
+    const RTCGeometry array = embree.rtcNewGeometry(device, RTC_GEOMETRY_TYPE_INSTANCE_ARRAY);
+    embree.rtcSetGeometryInstancedScene(array, inner);
+    embree.rtcSetSharedGeometryBuffer(array, RTC_BUFFER_TYPE_TRANSFORM, 0, RTC_FORMAT_FLOAT3X4_ROW_MAJOR,
+                                      transforms.data(), 0, 48, 3);
+    attach(embree, scene, array);
+    embree.rtcReleaseScene(inner);
+  });
+  twice.commit();
+  expect_same_hits(twice.our_scene, twice.native_scene, random_rays(19, 1000));
+  unsigned asked[2] = {}, side = 0;
+  twice.both([&](const Embree& embree, RTCDevice, RTCScene scene) {
+    RTCPointQuery query{0, 0, 0, 0, 2};
+    RTCPointQueryContext context;
+    rtcInitPointQueryContext(&context);
+    const auto count = [](RTCPointQueryFunctionArguments* arguments) {
+      ++*static_cast<unsigned*>(arguments->userPtr);
+      return false;
+    };
+    embree.rtcPointQuery(scene, &query, &context, count, &asked[side++]);
+  });
+  EXPECT_GT(asked[1], 100u);
+  EXPECT_EQ(asked[0], asked[1]);
 }
 
 TEST(PreloadInstanceArrays, ShowOurMeshesAndAnswerPointQueries) {

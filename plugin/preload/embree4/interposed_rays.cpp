@@ -2,6 +2,7 @@
 /// then. And where a scene holds nothing that is not ours, Embree need not be asked.
 #include <array>
 #include <cstdint>
+#include <new>
 #include <type_traits>
 
 #include "plugin/preload/group.h"
@@ -22,7 +23,7 @@ const Published* answers_alone(RTCScene scene) {
     const Published* published = nullptr;
   };
   // A few, for threads that trace several scenes in turns.
-  constexpr unsigned kBits = 3;
+  constexpr unsigned kBits = 6;
   thread_local std::array<Answer, 1u << kBits> answers;
   const auto hash = reinterpret_cast<std::uintptr_t>(scene) * std::uintptr_t{0x9E3779B97F4A7C15};
   Answer& answer = answers[hash >> (64 - kBits)];
@@ -98,13 +99,24 @@ void ask(const Published& published, const int* valid, void* rays, unsigned size
   Query::call_ours(&a);
 }
 
+/// What a filter of the application threw becomes an error, as in Embree.
+void raise(RTCScene scene, RTCError code, const char* message) {
+  if (const auto tracked = scenes().find(scene)) tracked->device()->raise(code, message);
+}
+
 /// A query of `size` rays; `native` is Embree's own, with the options that it is given.
 template <typename Query, typename Native>
 void query(const int* valid, void* scene, void* rays, unsigned size, typename Query::Options* options,
            Native&& native) {
   if (!had_groups()) return native(options);
   if (const Published* const published = answers_alone(static_cast<RTCScene>(scene))) {
-    return ask<Query>(*published, valid, rays, size, options);
+    try {
+      return ask<Query>(*published, valid, rays, size, options);
+    } catch (const std::bad_alloc&) {
+      return raise(static_cast<RTCScene>(scene), RTC_ERROR_OUT_OF_MEMORY, "out of memory");
+    } catch (...) {
+      return raise(static_cast<RTCScene>(scene), RTC_ERROR_UNKNOWN, "unknown exception caught");
+    }
   }
   const bool is_applications = options != nullptr && Query::function_of(*options) != nullptr &&
                                Query::function_of(*options) != Rerouted<Query>::call;

@@ -27,11 +27,12 @@ extern "C" {
 
 const char* rtcGetDeviceLastErrorMessage(RTCDevice device) {
   const char* const own = stbvh::preload::own_error_message(device);
-  return own != nullptr ? own : real().rtcGetDeviceLastErrorMessage(device);
+  if (own != nullptr) return own;
+  return real().rtcGetDeviceLastErrorMessage == nullptr ? "" : real().rtcGetDeviceLastErrorMessage(device);
 }
 
 void rtcSetGeometryEnableFilterFunctionFromArguments(RTCGeometry geometry, bool enable) {
-  set_and_record(
+  set_and_record<&TrackedGeometry::touched>(
       geometry, [&] { real().rtcSetGeometryEnableFilterFunctionFromArguments(geometry, enable); },
       [&](TrackedGeometry& g) { g.takes_query_filters = enable; });
 }

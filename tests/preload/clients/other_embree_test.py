@@ -82,14 +82,19 @@ class OtherOptions(unittest.TestCase):
                 self.assertEqual(statistics["meshes_left_native"].get(self.REASON), 1)
                 self.assertEqual(picture, native)
 
-    def test_all_is_left_to_an_embree_whose_options_are_not_found(self):
-        library = "libother_query_options.so"
+    def test_all_is_left_to_an_embree_that_lays_out_queries_otherwise(self):
+        library = "libother_query_layout.so"
         if not (FOLDER / library).exists():
-            self.skipTest("Embree 3 has them in the context")
-        statistics, picture = self.statistics_behind(library)
-        self.assertEqual((statistics["meshes_taken_over"], statistics["rays"]), (0, 0))
-        self.assertEqual(statistics["meshes_left_native"].get("Embree that keeps the options of queries elsewhere"), 1)
-        self.assertEqual(picture, self.render("native.ppm"))
+            self.skipTest("Embree 3 has one layout")
+        native = self.render("native.ppm")
+        for hidden in ("options", "instPrimID"):
+            with self.subTest(hidden=hidden):
+                statistics, picture = self.statistics_behind(library, EMBREE_HIDES=hidden)
+                self.assertEqual((statistics["meshes_taken_over"], statistics["rays"]), (0, 0))
+                self.assertEqual(statistics["meshes_left_native"].get("Embree that lays out queries otherwise"), 1)
+                self.assertEqual(picture, native)
+        statistics, _ = self.statistics_behind(library, EMBREE_HIDES="nothing")
+        self.assertEqual(statistics["meshes_taken_over"], 1)
 
     def test_what_debian_built_is_taken_over(self):
         statistics, _ = self.statistics_with(self.RAY_MASKS, 1)
