@@ -1,6 +1,7 @@
 #include <array>
 #include <stdexcept>
 
+#include "harness/structures/embree_device.h"
 #include "harness/structures/embree_structure.h"
 #include "harness/structures/lbvh.h"
 #include "harness/structures/stbvh_direct.h"
@@ -79,6 +80,13 @@ constexpr const char* kWhyNotOverUnlikeRanges =
         ? "Embree 4 fails to build these leaves over unlike time ranges, or loses triangles"
         : "Embree 3.13 aborts the process while it builds these leaves over unlike time ranges";
 
+/// Which have eight children a node.
+bool has_trees_of_vertex_leaves() {
+  static const bool has =
+      rtcGetDeviceProperty(EmbreeDevice("", 1).get(), RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED) != 0;
+  return has;
+}
+
 std::invalid_argument unknown_structure(std::string_view name) {
   return std::invalid_argument("There is no structure \"" + std::string(name) + "\".");
 }
@@ -107,6 +115,7 @@ std::string obstacle(std::string_view name, const Scene& scene) {
     if (mesh.time_range.begin != first->time_range.begin || mesh.time_range.end != first->time_range.end)
       return kWhyNotOverUnlikeRanges;
   }
+  if (first != nullptr && !has_trees_of_vertex_leaves()) return "Embree has these leaves from AVX on";
   return "";
 }
 

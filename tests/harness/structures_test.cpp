@@ -4,6 +4,7 @@
 
 #include "harness/oracle/judge.h"
 #include "harness/rays/ray_generator.h"
+#include "harness/structures/embree_device.h"
 #include "harness/structures/lbvh.h"
 #include "harness/structures/memory_estimate.h"
 #include "harness/structures/structure_under_test.h"
@@ -21,7 +22,17 @@ Scene scene_for(std::string_view structure, std::size_t triangles_per_mesh = 300
   return scene;
 }
 
-class EachStructure : public ::testing::TestWithParam<std::string_view> {};
+/// Of those that this processor has.
+class EachStructure : public ::testing::TestWithParam<std::string_view> {
+ protected:
+  void SetUp() override {
+    const std::string why = obstacle(GetParam(), scene_for(GetParam(), 1));
+    if (why.empty()) return;
+    ASSERT_TRUE(GetParam().ends_with("-4v")) << why;
+    ASSERT_EQ(rtcGetDeviceProperty(EmbreeDevice("", 1).get(), RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED), 0);
+    GTEST_SKIP() << why;
+  }
+};
 
 TEST_P(EachStructure, AgreesWithTheOracle) {
   const Scene scene = scene_for(GetParam());
@@ -49,7 +60,6 @@ TEST_P(EachStructure, TakesUnlikeTimeRangesOrSaysWhyNot) {
   } else {
     EXPECT_NO_THROW(build_structure(GetParam(), scene, 1));
   }
-  EXPECT_EQ(obstacle(GetParam(), scene_for(GetParam())), "");
 }
 
 TEST_P(EachStructure, WeighsItself) {
