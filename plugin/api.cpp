@@ -28,9 +28,7 @@ namespace {
 using stbvh::plugin::ApiError;
 using stbvh::plugin::MeshDescription;
 using stbvh::plugin::new_context;
-using stbvh::plugin::Published;
 using stbvh::plugin::QueryContext;
-using stbvh::plugin::QueryFilter;
 using stbvh::plugin::set_device_error;
 
 static_assert(std::string_view(STBVH_VERSION_STRING) == STBVH_PROJECT_VERSION);
@@ -75,18 +73,21 @@ RTCError guarded(StbvhGeometry handle, Function&& function) noexcept {
   }
 }
 
-/// Runs `function` on what the last commit built and its default geomID. Others may query the handle at once,
-/// so its message stays as it is: only the device is told of what filters throw.
-template <typename Function>
-void query(StbvhGeometry handle, Function&& function) noexcept {
+/// Asks what the last commit built: `ask` is intersect_one or occluded_one, `options` what the query brings.
+/// Others may query the handle at once, so its message stays as it is: only the device is told of what
+/// filters throw.
+template <typename Options, typename Ask, typename Ray>
+void query(StbvhGeometry handle, Options* options, Ask ask, Ray* ray) noexcept {
   if (handle == nullptr) {
     fail_without_handle(nullptr, RTC_ERROR_INVALID_ARGUMENT, kNullGeometry);
     return;
   }
   const stbvh::plugin::Geometry& geometry = handle->geometry;
   if (geometry.published() == nullptr) return;
+  QueryContext plain = new_context();
   try {
-    function(*geometry.published(), geometry.default_mesh());
+    ask(*geometry.published(), geometry.default_mesh(), stbvh::plugin::context_of(options, plain),
+        stbvh::plugin::filter_of(options), ray);
   } catch (const std::bad_alloc&) {
     set_device_error(geometry.device(), RTC_ERROR_OUT_OF_MEMORY);
   } catch (...) {
@@ -212,23 +213,11 @@ RTCGeometry stbvhGetGeometry(StbvhGeometry geometry) {
 #if RTC_VERSION_MAJOR >= 4
 
 void stbvhIntersect1(StbvhGeometry geometry, RTCRayHit* rayhit, RTCIntersectArguments* arguments) {
-  query(geometry, [=](const Published& published, unsigned geom_id) {
-    QueryContext plain = new_context();
-    QueryContext* const context =
-        arguments == nullptr || arguments->context == nullptr ? &plain : arguments->context;
-    const QueryFilter filter = arguments == nullptr ? QueryFilter{} : stbvh::plugin::filter_of(*arguments);
-    intersect_one(published, geom_id, context, filter, rayhit);
-  });
+  query(geometry, arguments, stbvh::plugin::intersect_one, rayhit);
 }
 
 void stbvhOccluded1(StbvhGeometry geometry, RTCRay* ray, RTCOccludedArguments* arguments) {
-  query(geometry, [=](const Published& published, unsigned geom_id) {
-    QueryContext plain = new_context();
-    QueryContext* const context =
-        arguments == nullptr || arguments->context == nullptr ? &plain : arguments->context;
-    const QueryFilter filter = arguments == nullptr ? QueryFilter{} : stbvh::plugin::filter_of(*arguments);
-    occluded_one(published, geom_id, context, filter, ray);
-  });
+  query(geometry, arguments, stbvh::plugin::occluded_one, ray);
 }
 
 void stbvhIntersectFunctionN(const RTCIntersectFunctionNArguments* arguments) {
@@ -242,19 +231,11 @@ void stbvhOccludedFunctionN(const RTCOccludedFunctionNArguments* arguments) {
 #else
 
 void stbvhIntersect1(StbvhGeometry geometry, RTCIntersectContext* context, RTCRayHit* rayhit) {
-  query(geometry, [=](const Published& published, unsigned geom_id) {
-    QueryContext plain = new_context();
-    QueryContext* const given = context == nullptr ? &plain : context;
-    intersect_one(published, geom_id, given, {given->filter}, rayhit);
-  });
+  query(geometry, context, stbvh::plugin::intersect_one, rayhit);
 }
 
 void stbvhOccluded1(StbvhGeometry geometry, RTCIntersectContext* context, RTCRay* ray) {
-  query(geometry, [=](const Published& published, unsigned geom_id) {
-    QueryContext plain = new_context();
-    QueryContext* const given = context == nullptr ? &plain : context;
-    occluded_one(published, geom_id, given, {given->filter}, ray);
-  });
+  query(geometry, context, stbvh::plugin::occluded_one, ray);
 }
 
 #endif

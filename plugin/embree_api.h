@@ -37,9 +37,16 @@ inline QueryContext new_context() {
 /// for it.
 EmbreeLayout embree_layout();
 
+/// Of a query's options, which may be null: `plain` where they bring no context.
 template <typename Options>
-QueryFilter filter_of(const Options& options) {
-  return {options.filter, (options.flags & RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER) != 0};
+QueryContext* context_of(const Options* options, QueryContext& plain) {
+  return options == nullptr || options->context == nullptr ? &plain : options->context;
+}
+
+template <typename Options>
+QueryFilter filter_of(const Options* options) {
+  if (options == nullptr) return {};
+  return {options->filter, (options->flags & RTC_RAY_QUERY_FLAG_INVOKE_ARGUMENT_FILTER) != 0};
 }
 
 /// What the arguments of a user geometry's callback are the beginning of.
@@ -59,10 +66,10 @@ const Options& options_behind(const Arguments* arguments) {
 }
 
 inline QueryFilter filter_of_query(const RTCIntersectFunctionNArguments* arguments) {
-  return filter_of(options_behind<IntersectOptions>(arguments));
+  return filter_of(&options_behind<IntersectOptions>(arguments));
 }
 inline QueryFilter filter_of_query(const RTCOccludedFunctionNArguments* arguments) {
-  return filter_of(options_behind<OccludedOptions>(arguments));
+  return filter_of(&options_behind<OccludedOptions>(arguments));
 }
 
 /// Rays asked one by one, without filters of their own.
@@ -88,9 +95,19 @@ inline EmbreeLayout embree_layout() {
   return {true, true};
 }
 
+/// A query's options are its context, which may be null.
+inline QueryContext* context_of(QueryContext* options, QueryContext& plain) {
+  return options == nullptr ? &plain : options;
+}
+
+inline QueryFilter filter_of(const QueryContext* options) {
+  if (options == nullptr) return {};
+  return {options->filter};
+}
+
 template <typename Arguments>
 QueryFilter filter_of_query(const Arguments* arguments) {
-  return {arguments->context->filter};
+  return filter_of(arguments->context);
 }
 
 class RayQuery {

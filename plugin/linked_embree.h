@@ -5,8 +5,7 @@
 
 namespace stbvh::plugin {
 
-/// The functions of the Embree that this library is linked with, for UserGeometry and
-/// try_layout.
+/// The functions of the Embree that this library is linked with, for UserGeometry and try_layout.
 struct LinkedEmbree {
   static constexpr auto rtcNewGeometry = ::rtcNewGeometry;
   static constexpr auto rtcReleaseGeometry = ::rtcReleaseGeometry;

@@ -109,8 +109,8 @@ def version_sections(machines):
     columns = [(m.name, {name: f"{rate:.3f}" for name, rate in rates(m, joint.split("+")).items()})
                for group in groups for m in group]
     yield Section("versions", f"Embree's versions on one machine, million rays a second, {in_words(joint)}", [
-        side_by_side(columns, "One thread; geometric mean over scenes and kinds of rays, the same rays in all. One process for "
-                              "each Embree, one after the other, each with its system's compiler: what our kernels alone "
+        side_by_side(columns, "One thread; geometric mean over scenes and kinds of rays, the same rays in all. Not interleaved: "
+                              "each as its own records were measured, with its system's compiler. What our kernels alone "
                               "(`stbvh-direct`) differ by is not Embree's.")])
 
 

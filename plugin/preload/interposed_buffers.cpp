@@ -1,21 +1,28 @@
 /// Where a geometry's buffers lie; what is in them is read at commit.
+#include <optional>
+
 #include "plugin/preload/real_embree.h"
 #include "plugin/preload/recording.h"
 
 namespace stbvh::preload {
+namespace {
+
+/// What holds a geometry's time steps, for those of which we need to know it.
+std::optional<RTCBufferType> step_buffers_of(RTCGeometryType type) {
+  if (type == RTC_GEOMETRY_TYPE_TRIANGLE) return RTC_BUFFER_TYPE_VERTEX;
+#if defined(RTC_GEOMETRY_INSTANCE_ARRAY)
+  if (type == RTC_GEOMETRY_TYPE_INSTANCE_ARRAY) return RTC_BUFFER_TYPE_TRANSFORM;
+#endif
+  return std::nullopt;
+}
+
+}  // namespace
 
 void record_buffer(TrackedGeometry& geometry, RTCBufferType type, unsigned slot, const BoundBuffer& buffer) {
-  RTCBufferType steps = RTC_BUFFER_TYPE_VERTEX;
-#if defined(RTC_GEOMETRY_INSTANCE_ARRAY)
-  if (geometry.type == RTC_GEOMETRY_TYPE_INSTANCE_ARRAY) {
-    steps = RTC_BUFFER_TYPE_TRANSFORM;
-  } else
-#endif
-      if (geometry.type != RTC_GEOMETRY_TYPE_TRIANGLE) {
-    return;
-  }
+  const std::optional<RTCBufferType> steps = step_buffers_of(geometry.type);
+  if (!steps) return;
   if (type == RTC_BUFFER_TYPE_INDEX) geometry.indices = buffer;
-  if (type != steps || slot >= RTC_MAX_TIME_STEP_COUNT) return;
+  if (type != *steps || slot >= RTC_MAX_TIME_STEP_COUNT) return;
   if (geometry.steps.size() <= slot) geometry.steps.resize(slot + 1);
   geometry.steps[slot] = buffer;
 }

@@ -13,8 +13,7 @@ using stbvh::preload::real;
 namespace {
 
 /// Other majors have the same names, but rays and callbacks of another kind. Embree 2 has no properties.
-/// Silent where the library for that major stands
-/// before the same program.
+/// Silent where the library for that major stands before the same program.
 bool is_our_major(RTCDevice device) {
   const auto property = real().rtcGetDeviceProperty;
   const auto major = property == nullptr ? 2 : property(device, RTC_DEVICE_PROPERTY_VERSION_MAJOR);

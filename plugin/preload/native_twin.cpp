@@ -165,18 +165,13 @@ RTCScene NativeTwin::scene_to_ask(TrackedScene& scene) {
 }
 
 RTCScene scene_to_ask(RTCScene scene) {
-  struct Answer {
-    RTCScene scene = nullptr;
-    std::uint64_t epoch = 0;
-    RTCScene to_ask = nullptr;
-  };
-  thread_local Answer last;
-  const std::uint64_t epoch = scenes_epoch();
-  if (last.scene == scene && last.epoch == epoch) return last.to_ask;
-  const auto tracked = scenes().find(scene);
+  thread_local SceneAnswers<RTCScene> answers;
+  std::shared_ptr<TrackedScene> tracked;
   try {
-    last = {scene, epoch, tracked == nullptr ? scene : tracked->twin().scene_to_ask(*tracked)};
-    return last.to_ask;
+    return answers.of(scene, [&] {
+      tracked = scenes().find(scene);
+      return tracked == nullptr ? scene : tracked->twin().scene_to_ask(*tracked);
+    });
   } catch (const std::bad_alloc&) {
     tracked->device()->raise_out_of_memory();
     return scene;

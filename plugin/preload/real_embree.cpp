@@ -59,9 +59,6 @@ RealEmbree load_all() {
   RealEmbree functions;
 #define STBVH_FUNCTION(name) load(functions.name, #name);
 #include "plugin/preload/real_functions.inl"
-#if RTC_VERSION_MAJOR >= 4
-#include "plugin/preload/embree4/real_functions.inl"
-#endif
 #undef STBVH_FUNCTION
   if (functions.rtcNewDevice == nullptr) {
     std::fputs("libstbvh_preload: there is no Embree behind this library\n", stderr);
@@ -72,8 +69,9 @@ RealEmbree load_all() {
 
 }  // namespace
 
-const RealEmbree& real() {
+const RealEmbree& detail::load_embree() {
   static const RealEmbree functions = load_all();
+  loaded_embree.store(&functions, std::memory_order_release);
   return functions;
 }
 

@@ -56,3 +56,6 @@ STBVH_FUNCTION(rtcSetGeometrySubdivisionMode)
 STBVH_FUNCTION(rtcSetGeometryVertexAttributeTopology)
 STBVH_FUNCTION(rtcSetGeometryDisplacementFunction)
 STBVH_FUNCTION(rtcGetBufferData)
+#if RTC_VERSION_MAJOR >= 4
+#include "plugin/preload/embree4/real_functions.inl"
+#endif

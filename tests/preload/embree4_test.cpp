@@ -99,10 +99,7 @@ Packet packet_of(const RTCRayHit& ray) {
   for (unsigned i = 0; i < kSize; ++i) {
     RTCRayHit lane = ray;
     lane.ray.org_x += 0.01f * static_cast<float>(i);
-    for (unsigned m = 0; m < test::kRayHitMembers; ++m) {
-      std::memcpy(reinterpret_cast<char*>(&packet) + 4 * (m * kSize + i),
-                  reinterpret_cast<const char*>(&lane) + 4 * m, 4);
-    }
+    put<Packet, kSize>(packet, i, lane);
   }
   return packet;
 }

@@ -57,27 +57,6 @@ TEST(PreloadHits, NoneForRaysThatLeaveALargeGround) {
   }
 }
 
-/// Of a ray and its hit; in a packet each lies `size` times side by side.
-constexpr unsigned kMembers = test::kRayHitMembers;
-
-template <typename Packet, unsigned kSize>
-void put(Packet& packet, unsigned lane, const RTCRayHit& ray) {
-  for (unsigned m = 0; m < kMembers; ++m) {
-    std::memcpy(reinterpret_cast<char*>(&packet) + 4 * (m * kSize + lane),
-                reinterpret_cast<const char*>(&ray) + 4 * m, 4);
-  }
-}
-
-template <typename Packet, unsigned kSize>
-RTCRayHit get(const Packet& packet, unsigned lane) {
-  RTCRayHit ray;
-  for (unsigned m = 0; m < kMembers; ++m) {
-    std::memcpy(reinterpret_cast<char*>(&ray) + 4 * m,
-                reinterpret_cast<const char*>(&packet) + 4 * (m * kSize + lane), 4);
-  }
-  return ray;
-}
-
 template <typename Packet, unsigned kSize>
 void expect_same_packets(const Twice& twice) {
   const std::vector<RTCRayHit> rays = random_rays(17, 64 * kSize);

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <vector>
 
@@ -85,6 +86,27 @@ void expect_same_hits(RTCScene our_scene, RTCScene native_scene, const std::vect
 
 /// Hits that must be the same.
 void expect_same_hit(const RTCRayHit& ours, const RTCRayHit& native);
+
+/// Of a ray and its hit; in a packet each lies `size` times side by side.
+constexpr unsigned kMembers = test::kRayHitMembers;
+
+template <typename Packet, unsigned kSize>
+void put(Packet& packet, unsigned lane, const RTCRayHit& ray) {
+  for (unsigned m = 0; m < kMembers; ++m) {
+    std::memcpy(reinterpret_cast<char*>(&packet) + 4 * (m * kSize + lane),
+                reinterpret_cast<const char*>(&ray) + 4 * m, 4);
+  }
+}
+
+template <typename Packet, unsigned kSize>
+RTCRayHit get(const Packet& packet, unsigned lane) {
+  RTCRayHit ray;
+  for (unsigned m = 0; m < kMembers; ++m) {
+    std::memcpy(reinterpret_cast<char*>(&ray) + 4 * m,
+                reinterpret_cast<const char*>(&packet) + 4 * (m * kSize + lane), 4);
+  }
+  return ray;
+}
 
 RTCRayHit ray_along_z(float x, float y, float time);
 bool hits(RTCScene scene, float x, float y, float time, unsigned mask = 0xFFFFFFFFu);

@@ -1,9 +1,6 @@
 /// Rays. An application may bring the callback of all user geometries with a ray, and would be asked for ours
 /// then. And where a scene holds nothing that is not ours, Embree need not be asked.
-#include <array>
-#include <cstdint>
 #include <new>
-#include <type_traits>
 
 #include "plugin/preload/group.h"
 #include "plugin/preload/real_embree.h"
@@ -15,24 +12,13 @@ namespace {
 
 using plugin::Published;
 
-/// What answers for all of the scene, or null: as this thread found it out when it last asked.
+/// What answers for all of the scene, or null.
 const Published* answers_alone(RTCScene scene) {
-  struct Answer {
-    RTCScene scene = nullptr;
-    std::uint64_t epoch = 0;
-    const Published* published = nullptr;
-  };
-  // A few, for threads that trace several scenes in turns.
-  constexpr unsigned kBits = 6;
-  thread_local std::array<Answer, 1u << kBits> answers;
-  const auto hash = reinterpret_cast<std::uintptr_t>(scene) * std::uintptr_t{0x9E3779B97F4A7C15};
-  Answer& answer = answers[hash >> (64 - kBits)];
-  const std::uint64_t epoch = scenes_epoch();
-  if (answer.scene != scene || answer.epoch != epoch) {
+  constinit thread_local SceneAnswers<const Published*> answers;
+  return answers.of(scene, [=]() -> const Published* {
     const auto tracked = scenes().find(scene);
-    answer = {scene, epoch, tracked == nullptr ? nullptr : tracked->answers_alone()};
-  }
-  return answer.published;
+    return tracked == nullptr ? nullptr : tracked->answers_alone();
+  });
 }
 
 struct Closest {
@@ -41,7 +27,8 @@ struct Closest {
   using Rays = RTCRayHitN;
   using Function = RTCIntersectFunctionN;
   static constexpr auto kInitialise = rtcInitIntersectArguments;
-  static Function& function_of(Options& options) { return options.intersect; }
+  static constexpr auto kFunction = &Options::intersect;
+  static constexpr auto kRays = &Arguments::rayhit;
   static void call_ours(const Arguments* arguments) { group_callbacks().intersect(arguments); }
 };
 
@@ -51,7 +38,8 @@ struct Any {
   using Rays = RTCRayN;
   using Function = RTCOccludedFunctionN;
   static constexpr auto kInitialise = rtcInitOccludedArguments;
-  static Function& function_of(Options& options) { return options.occluded; }
+  static constexpr auto kFunction = &Options::occluded;
+  static constexpr auto kRays = &Arguments::ray;
   static void call_ours(const Arguments* arguments) { group_callbacks().occluded(arguments); }
 };
 
@@ -59,8 +47,8 @@ struct Any {
 template <typename Query>
 struct Rerouted : Query::Options {
   explicit Rerouted(typename Query::Options& given)
-      : Query::Options(given), application(Query::function_of(given)) {
-    Query::function_of(*this) = call;
+      : Query::Options(given), application(given.*Query::kFunction) {
+    this->*Query::kFunction = call;
   }
 
   /// Embree's callback for all user geometries.
@@ -89,12 +77,8 @@ void ask(const Published& published, const int* valid, void* rays, unsigned size
   auto& a = arguments.arguments;
   a.valid = const_cast<int*>(valid);
   a.geometryUserPtr = const_cast<Published*>(&published);
-  a.context = arguments.options->context == nullptr ? &plain_context : arguments.options->context;
-  if constexpr (std::is_same_v<Query, Closest>) {
-    a.rayhit = static_cast<RTCRayHitN*>(rays);
-  } else {
-    a.ray = static_cast<RTCRayN*>(rays);
-  }
+  a.context = plugin::context_of(options, plain_context);
+  a.*Query::kRays = static_cast<typename Query::Rays*>(rays);
   a.N = size;
   Query::call_ours(&a);
 }
@@ -104,11 +88,11 @@ void raise(RTCScene scene, RTCError code, const char* message) {
   if (const auto tracked = scenes().find(scene)) tracked->device()->raise(code, message);
 }
 
-/// A query of `size` rays; `native` is Embree's own, with the options that it is given.
+/// A query of `size` rays where there are groups; `native` is Embree's own, with the options that it is
+/// given. Apart from its callers, which are short without it.
 template <typename Query, typename Native>
-void query(const int* valid, void* scene, void* rays, unsigned size, typename Query::Options* options,
-           Native&& native) {
-  if (!had_groups()) return native(options);
+[[gnu::noinline]] void query(const int* valid, void* scene, void* rays, unsigned size,
+                             typename Query::Options* options, Native&& native) {
   if (const Published* const published = answers_alone(static_cast<RTCScene>(scene))) {
     try {
       return ask<Query>(*published, valid, rays, size, options);
@@ -118,9 +102,8 @@ void query(const int* valid, void* scene, void* rays, unsigned size, typename Qu
       return raise(static_cast<RTCScene>(scene), RTC_ERROR_UNKNOWN, "unknown exception caught");
     }
   }
-  const bool is_applications = options != nullptr && Query::function_of(*options) != nullptr &&
-                               Query::function_of(*options) != Rerouted<Query>::call;
-  if (!is_applications) return native(options);
+  const auto function = options == nullptr ? nullptr : options->*Query::kFunction;
+  if (function == nullptr || function == Rerouted<Query>::call) return native(options);
   Rerouted<Query> rerouted(*options);
   native(&rerouted);
 }
@@ -132,6 +115,7 @@ constexpr int kValid = -1;
 
 using stbvh::preload::Any;
 using stbvh::preload::Closest;
+using stbvh::preload::had_groups;
 using stbvh::preload::kValid;
 using stbvh::preload::query;
 using stbvh::preload::real;
@@ -140,12 +124,14 @@ using stbvh::preload::real;
 // on CPUs.
 #define STBVH_ONE_RAY(Query, name, Ray, Handle, Options)                                                    \
   void name(Handle scene, Ray* ray, Options* options) {                                                     \
-    query<Query>(&kValid, scene, ray, 1, options, [&](Options* given) { real().name(scene, ray, given); }); \
+    if (!had_groups()) return real().name(scene, ray, options);                                             \
+    query<Query>(&kValid, scene, ray, 1, options, [=](Options* given) { real().name(scene, ray, given); }); \
   }
 #define STBVH_PACKET(Query, name, Rays, N, Handle, Options)                        \
   void name(const int* valid, Handle scene, Rays* rays, Options* options) {        \
+    if (!had_groups()) return real().name(valid, scene, rays, options);            \
     query<Query>(valid, scene, rays, N, options,                                   \
-                 [&](Options* given) { real().name(valid, scene, rays, given); }); \
+                 [=](Options* given) { real().name(valid, scene, rays, given); }); \
   }
 #define STBVH_PACKETS(N)                                                                                    \
   STBVH_PACKET(Closest, rtcIntersect##N, RTCRayHit##N, N, RTCScene, RTCIntersectArguments)                  \
