@@ -58,6 +58,24 @@ class Block {
   std::byte* data_ = nullptr;
 };
 
+/// Rays from one point, such as a camera's, meet the same nodes one after another.
+bool come_from_one_point(const RayBatch& batch) {
+  const Vec3f first = batch.ray(0).origin;
+  const auto is_there = [&](std::size_t i) {
+    const Vec3f origin = batch.ray(i).origin;
+    return origin.x == first.x && origin.y == first.y && origin.z == first.z;
+  };
+  return is_there(1) && is_there(batch.count / 2) && is_there(batch.count - 1);
+}
+
+template <typename Trace>
+void one_by_one(const RayBatch& batch, const Trace& trace) {
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    Hit hit;
+    if (trace(batch.ray(i), hit) && batch.report != nullptr) batch.report(batch.user, batch.ray(i), hit);
+  }
+}
+
 /// Linear bounds of one child of the root.
 struct RootBounds {
   LinearBounds bounds;
@@ -114,6 +132,20 @@ class StructureImpl final : public Structure {
     const KernelTable& kernels = kernel_table(isa, precision_);
     return filter == nullptr ? kernels.occluded(view_, ray) : kernels.occluded_filtered(view_, ray, *filter);
   }
+  void intersect(const RayBatch& batch) const override {
+    if (waits_for_memory(batch)) return kernels_.intersect_in_flight(view_, batch);
+    one_by_one(batch, [&](const Ray& ray, Hit& hit) { return intersect(ray, hit, batch.filter); });
+  }
+  void occluded(const RayBatch& batch) const override {
+    if (waits_for_memory(batch)) return kernels_.occluded_in_flight(view_, batch);
+    one_by_one(batch, [&](const Ray& ray, Hit&) { return occluded(ray, batch.filter); });
+  }
+  void intersect_on(Isa isa, const RayBatch& batch) const override {
+    kernel_table(isa, precision_).intersect_in_flight(view_, batch);
+  }
+  void occluded_on(Isa isa, const RayBatch& batch) const override {
+    kernel_table(isa, precision_).occluded_in_flight(view_, batch);
+  }
   bool intersect_counted(const Ray& ray, Hit& hit, TraversalCounters& counters) const override {
     return kernels_.intersect_counted(view_, ray, hit, counters);
   }
@@ -156,6 +188,12 @@ class StructureImpl final : public Structure {
   }
 
  private:
+  /// Else rays in flight only cost: a seventh where a tree stays in the caches (docs/performance.md).
+  bool waits_for_memory(const RayBatch& batch) const {
+    constexpr std::size_t kCached = 2u << 20;
+    return block_.bytes() > kCached && batch.count > 1 && !come_from_one_point(batch);
+  }
+
   void make_mesh_table(const BuildContext& context) {
     std::size_t steps = 0;
     for (const BuildMesh& mesh : context.meshes) steps += mesh.view().steps.size();
@@ -190,6 +228,41 @@ class StructureImpl final : public Structure {
 };
 
 }  // namespace
+
+namespace {
+
+/// Rays side by side, and as many answers.
+template <typename Answer>
+struct SideBySide {
+  const Ray* rays;
+  Answer* answers;
+
+  Answer& of(const Ray& ray) const { return answers[&ray - rays]; }
+};
+
+template <typename Answer>
+RayBatch batch_of(std::span<const Ray> rays, SideBySide<Answer>& both, const HitFilter* filter,
+                  void (*report)(void* user, const Ray& ray, const Hit& hit)) {
+  return {rays.data(), sizeof(Ray), rays.size(), report, &both, filter};
+}
+
+}  // namespace
+
+void Structure::intersect(std::span<const Ray> rays, std::span<Hit> hits, const HitFilter* filter) const {
+  for (Hit& hit : hits) hit.geom_id = kInvalidId;
+  SideBySide<Hit> both{rays.data(), hits.data()};
+  intersect(batch_of(rays, both, filter, [](void* user, const Ray& ray, const Hit& hit) {
+    static_cast<const SideBySide<Hit>*>(user)->of(ray) = hit;
+  }));
+}
+
+void Structure::occluded(std::span<const Ray> rays, std::span<bool> occluded, const HitFilter* filter) const {
+  std::ranges::fill(occluded, false);
+  SideBySide<bool> both{rays.data(), occluded.data()};
+  this->occluded(batch_of(rays, both, filter, [](void* user, const Ray& ray, const Hit&) {
+    static_cast<const SideBySide<bool>*>(user)->of(ray) = true;
+  }));
+}
 
 std::unique_ptr<Structure> Structure::build(std::span<const MeshView> meshes, const BuildSettings& settings,
                                             const BuildCallbacks& callbacks) {

@@ -29,6 +29,7 @@ using stbvh::plugin::ApiError;
 using stbvh::plugin::MeshDescription;
 using stbvh::plugin::new_context;
 using stbvh::plugin::QueryContext;
+using stbvh::plugin::Rays;
 using stbvh::plugin::set_device_error;
 
 static_assert(std::string_view(STBVH_VERSION_STRING) == STBVH_PROJECT_VERSION);
@@ -73,21 +74,28 @@ RTCError guarded(StbvhGeometry handle, Function&& function) noexcept {
   }
 }
 
-/// Asks what the last commit built: `ask` is intersect_one or occluded_one, `options` what the query brings.
-/// Others may query the handle at once, so its message stays as it is: only the device is told of what
-/// filters throw.
-template <typename Options, typename Ask, typename Ray>
-void query(StbvhGeometry handle, Options* options, Ask ask, Ray* ray) noexcept {
+/// Asks what the last commit built: `ask` is intersect or occluded, `options` what the query brings. Others
+/// may query the handle at once, so its message stays as it is: only the device is told of what filters
+/// throw.
+template <typename Options, typename Ray>
+void query(StbvhGeometry handle, Options* options,
+           void (*ask)(const stbvh::plugin::Published&, unsigned, QueryContext*, stbvh::plugin::QueryFilter,
+                       Rays<Ray>),
+           Rays<Ray> rays) noexcept {
   if (handle == nullptr) {
     fail_without_handle(nullptr, RTC_ERROR_INVALID_ARGUMENT, kNullGeometry);
     return;
   }
   const stbvh::plugin::Geometry& geometry = handle->geometry;
+  if (rays.count == 0) return;
+  if (rays.first == nullptr ||
+      (rays.count > 1 && (rays.stride < sizeof(Ray) || rays.stride % alignof(float) != 0)))
+    return set_device_error(geometry.device(), RTC_ERROR_INVALID_ARGUMENT);
   if (geometry.published() == nullptr) return;
   QueryContext plain = new_context();
   try {
     ask(*geometry.published(), geometry.default_mesh(), stbvh::plugin::context_of(options, plain),
-        stbvh::plugin::filter_of(options), ray);
+        stbvh::plugin::filter_of(options), rays);
   } catch (const std::bad_alloc&) {
     set_device_error(geometry.device(), RTC_ERROR_OUT_OF_MEMORY);
   } catch (...) {
@@ -213,11 +221,21 @@ RTCGeometry stbvhGetGeometry(StbvhGeometry geometry) {
 #if RTC_VERSION_MAJOR >= 4
 
 void stbvhIntersect1(StbvhGeometry geometry, RTCRayHit* rayhit, RTCIntersectArguments* arguments) {
-  query(geometry, arguments, stbvh::plugin::intersect_one, rayhit);
+  query(geometry, arguments, stbvh::plugin::intersect, Rays<RTCRayHit>{rayhit});
 }
 
 void stbvhOccluded1(StbvhGeometry geometry, RTCRay* ray, RTCOccludedArguments* arguments) {
-  query(geometry, arguments, stbvh::plugin::occluded_one, ray);
+  query(geometry, arguments, stbvh::plugin::occluded, Rays<RTCRay>{ray});
+}
+
+void stbvhIntersectN(StbvhGeometry geometry, RTCRayHit* rayhits, size_t count, size_t byteStride,
+                     RTCIntersectArguments* arguments) {
+  query(geometry, arguments, stbvh::plugin::intersect, Rays<RTCRayHit>{rayhits, count, byteStride});
+}
+
+void stbvhOccludedN(StbvhGeometry geometry, RTCRay* rays, size_t count, size_t byteStride,
+                    RTCOccludedArguments* arguments) {
+  query(geometry, arguments, stbvh::plugin::occluded, Rays<RTCRay>{rays, count, byteStride});
 }
 
 void stbvhIntersectFunctionN(const RTCIntersectFunctionNArguments* arguments) {
@@ -231,11 +249,21 @@ void stbvhOccludedFunctionN(const RTCOccludedFunctionNArguments* arguments) {
 #else
 
 void stbvhIntersect1(StbvhGeometry geometry, RTCIntersectContext* context, RTCRayHit* rayhit) {
-  query(geometry, context, stbvh::plugin::intersect_one, rayhit);
+  query(geometry, context, stbvh::plugin::intersect, Rays<RTCRayHit>{rayhit});
 }
 
 void stbvhOccluded1(StbvhGeometry geometry, RTCIntersectContext* context, RTCRay* ray) {
-  query(geometry, context, stbvh::plugin::occluded_one, ray);
+  query(geometry, context, stbvh::plugin::occluded, Rays<RTCRay>{ray});
+}
+
+void stbvhIntersectN(StbvhGeometry geometry, RTCIntersectContext* context, RTCRayHit* rayhits, size_t count,
+                     size_t byteStride) {
+  query(geometry, context, stbvh::plugin::intersect, Rays<RTCRayHit>{rayhits, count, byteStride});
+}
+
+void stbvhOccludedN(StbvhGeometry geometry, RTCIntersectContext* context, RTCRay* rays, size_t count,
+                    size_t byteStride) {
+  query(geometry, context, stbvh::plugin::occluded, Rays<RTCRay>{rays, count, byteStride});
 }
 
 #endif

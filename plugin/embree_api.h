@@ -72,11 +72,17 @@ inline QueryFilter filter_of_query(const RTCOccludedFunctionNArguments* argument
   return filter_of(&options_behind<OccludedOptions>(arguments));
 }
 
-/// Rays asked one by one, without filters of their own.
+/// Rays asked one by one or in packets of 16, without filters of their own.
 class RayQuery {
  public:
   void intersect(RTCScene scene, RTCRayHit& rayhit) { rtcIntersect1(scene, &rayhit, nullptr); }
   void occluded(RTCScene scene, RTCRay& ray) { rtcOccluded1(scene, &ray, nullptr); }
+  void intersect(RTCScene scene, const int* valid, RTCRayHit16& rayhits) {
+    rtcIntersect16(valid, scene, &rayhits, nullptr);
+  }
+  void occluded(RTCScene scene, const int* valid, RTCRay16& rays) {
+    rtcOccluded16(valid, scene, &rays, nullptr);
+  }
 };
 
 #else
@@ -114,6 +120,12 @@ class RayQuery {
  public:
   void intersect(RTCScene scene, RTCRayHit& rayhit) { rtcIntersect1(scene, &context_, &rayhit); }
   void occluded(RTCScene scene, RTCRay& ray) { rtcOccluded1(scene, &context_, &ray); }
+  void intersect(RTCScene scene, const int* valid, RTCRayHit16& rayhits) {
+    rtcIntersect16(valid, scene, &context_, &rayhits);
+  }
+  void occluded(RTCScene scene, const int* valid, RTCRay16& rays) {
+    rtcOccluded16(valid, scene, &context_, &rays);
+  }
 
  private:
   RTCIntersectContext context_ = new_context();

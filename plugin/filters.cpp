@@ -5,34 +5,32 @@
 namespace stbvh::plugin {
 namespace {
 
-/// Embree calls user geometries with at most this many rays.
-constexpr unsigned kMaxPacket = 16;
-
 /// The arguments of a filter: one valid lane, the hit in all lanes (as Embree's own packet kernels do), the
 /// rays the application's.
 class FilterCall {
  public:
   FilterCall(const Lane& lane, const Hit& candidate) : lane_(lane) {
-    std::fill_n(valid_, lane.size, 0);
+    std::fill_n(valid_, lane.size(), 0);
     valid_[lane.index] = -1;
-    const unsigned geom_id = geom_id_of(lane, candidate);
-    for (unsigned i = 0; i < lane.size; ++i)
-      store_hit(hits(), lane.size, i, candidate, geom_id, lane.context);
+    const unsigned geom_id = geom_id_of(lane.packet, candidate);
+    for (unsigned i = 0; i < lane.size(); ++i)
+      store_hit(hits(), lane.size(), i, candidate, geom_id, lane.packet.context);
   }
 
   /// Runs the mesh's filter and then the query's, those that are not null; false if one rejects.
   bool accepts(RTCFilterFunctionN mesh_filter, const PublishedMesh& mesh) {
-    const bool takes_query_filter = lane_.query_filter.on_all_meshes || mesh.takes_query_filters;
-    const RTCFilterFunctionN query_filter = takes_query_filter ? lane_.query_filter.function : nullptr;
+    const QueryFilter& of_query = lane_.packet.query_filter;
+    const bool takes_query_filter = of_query.on_all_meshes || mesh.takes_query_filters;
+    const RTCFilterFunctionN query_filter = takes_query_filter ? of_query.function : nullptr;
     if (mesh_filter == nullptr && query_filter == nullptr) return true;
     RTCFilterFunctionNArguments arguments;
     arguments.valid = valid_;
-    const auto translate = lane_.published->filter_user_ptr;
+    const auto translate = lane_.packet.published->filter_user_ptr;
     arguments.geometryUserPtr = translate == nullptr ? mesh.user_ptr : translate(mesh.user_ptr);
-    arguments.context = lane_.context;
+    arguments.context = lane_.packet.context;
     arguments.ray = lane_.rays;
     arguments.hit = hits();
-    arguments.N = lane_.size;
+    arguments.N = lane_.size();
     for (const RTCFilterFunctionN filter : {mesh_filter, query_filter}) {
       if (filter == nullptr) continue;
       filter(&arguments);
@@ -43,10 +41,9 @@ class FilterCall {
 
   /// Copies the hit, with what the filters made of it, to the lane.
   void store() {
-    float* const to =
-        reinterpret_cast<float*>(RTCRayHitN_HitN(reinterpret_cast<RTCRayHitN*>(lane_.rays), lane_.size));
+    float* const to = reinterpret_cast<float*>(lane_.hits());
     for (unsigned member = 0; member < kHitMembers; ++member) {
-      const unsigned entry = member * lane_.size + lane_.index;
+      const unsigned entry = member * lane_.size() + lane_.index;
       to[entry] = hits_[entry];
     }
   }
@@ -67,53 +64,34 @@ class FilterCall {
   alignas(64) float hits_[kHitMembers * kMaxPacket];
 };
 
-float& tfar(const Lane& lane) {
-  return RTCRayN_tfar(lane.rays, lane.size, lane.index);
-}
-
 /// Runs the filters on a candidate with the lane's tfar at its distance, put back if it is rejected.
 bool passes(FilterCall& call, const Lane& lane, const Hit& candidate, RTCFilterFunctionN mesh_filter) {
-  const float old_tfar = tfar(lane);
-  tfar(lane) = candidate.t;
-  const bool accepted = call.accepts(mesh_filter, lane.published->meshes[candidate.mesh]);
-  if (!accepted) tfar(lane) = old_tfar;
+  const float old_tfar = lane.tfar();
+  lane.tfar() = candidate.t;
+  const bool accepted = call.accepts(mesh_filter, lane.packet.published->meshes[candidate.mesh]);
+  if (!accepted) lane.tfar() = old_tfar;
   return accepted;
-}
-
-/// HitFilter::accept of a closest-hit query; `user` is the lane.
-///
-/// A filter may leave another tfar than the candidate's, to go on collecting hits beyond it, say. The kernels
-/// then keep theirs (the candidate counts as rejected), and what lies beyond the lane's tfar is turned away
-/// here.
-bool accept_closest(void* user, const Ray&, const Hit& candidate) {
-  const Lane& lane = *static_cast<const Lane*>(user);
-  if (candidate.t > tfar(lane)) return false;
-  FilterCall call(lane, candidate);
-  if (!passes(call, lane, candidate, lane.published->meshes[candidate.mesh].intersect_filter)) return false;
-  call.store();
-  return tfar(lane) <= candidate.t;
-}
-
-/// HitFilter::accept of an any-hit query; `user` is the lane.
-bool accept_any(void* user, const Ray&, const Hit& candidate) {
-  const Lane& lane = *static_cast<const Lane*>(user);
-  FilterCall call(lane, candidate);
-  return passes(call, lane, candidate, lane.published->meshes[candidate.mesh].occluded_filter);
 }
 
 }  // namespace
 
-void intersect_filtered(const Lane& lane, const Ray& ray) {
-  Lane state = lane;
-  const HitFilter filter{accept_closest, &state};
-  Hit hit;
-  lane.published->structure->intersect(ray, hit, &filter);
+// A filter may leave another tfar than the candidate's, to go on collecting hits beyond it, say. The kernels
+// then keep theirs (the candidate counts as rejected), and what lies beyond the lane's tfar is turned away
+// here.
+bool accept_closest_hit(void* packet, const Ray& ray, const Hit& candidate) {
+  const Lane lane = lane_of(*static_cast<const Packet*>(packet), ray);
+  if (candidate.t > lane.tfar()) return false;
+  FilterCall call(lane, candidate);
+  if (!passes(call, lane, candidate, lane.packet.published->meshes[candidate.mesh].intersect_filter))
+    return false;
+  call.store();
+  return lane.tfar() <= candidate.t;
 }
 
-bool occluded_filtered(const Lane& lane, const Ray& ray) {
-  Lane state = lane;
-  const HitFilter filter{accept_any, &state};
-  return lane.published->structure->occluded(ray, &filter);
+bool accept_any_hit(void* packet, const Ray& ray, const Hit& candidate) {
+  const Lane lane = lane_of(*static_cast<const Packet*>(packet), ray);
+  FilterCall call(lane, candidate);
+  return passes(call, lane, candidate, lane.packet.published->meshes[candidate.mesh].occluded_filter);
 }
 
 }  // namespace stbvh::plugin

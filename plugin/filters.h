@@ -6,32 +6,53 @@
 
 namespace stbvh::plugin {
 
-/// One lane of a packet in the application's memory; N = 1 is a packet of one.
-struct Lane {
+/// Embree calls user geometries with at most this many rays.
+constexpr unsigned kMaxPacket = 16;
+
+/// The rays of one call, in the application's memory: a packet of them, or rays on their own, which the
+/// kernels then read where they stand.
+struct Packet {
   const Published* published;
   QueryContext* context;
   QueryFilter query_filter;
-  RTCRayN* rays;
-  unsigned size;
-  unsigned index;
-  unsigned geom_id;  ///< under which the geometry is attached
+  unsigned geom_id;         ///< under which the geometry is attached
+  RTCRayN* rays = nullptr;  ///< of a packet, with its hits behind if it has any
+  unsigned size = 1;
+  const Ray* copies = nullptr;  ///< of the packet's valid lanes, as the kernels take them; null: on their own
+  const unsigned* indices = nullptr;  ///< which lanes those are
 };
 
-/// Closest hit with the meshes' intersection filters and the query's; writes hit and tfar to the lane.
-void intersect_filtered(const Lane& lane, const Ray& ray);
+/// One ray of them.
+struct Lane {
+  const Packet& packet;
+  RTCRayN* rays;
+  unsigned index;
 
-/// Any hit with the meshes' occlusion filters and the query's; the caller then sets the lane's tfar.
-bool occluded_filtered(const Lane& lane, const Ray& ray);
+  unsigned size() const { return packet.size; }
+  RTCHitN* hits() const { return RTCRayHitN_HitN(reinterpret_cast<RTCRayHitN*>(rays), size()); }
+  float& tfar() const { return RTCRayN_tfar(rays, size(), index); }
+};
 
-/// Whether the query's filter may have to run.
-inline bool has_query_filter(const Lane& lane) {
-  return lane.query_filter.function != nullptr &&
-         (lane.query_filter.on_all_meshes || lane.published->meshes_take_query_filters);
+/// `ray` as the kernels were given it.
+inline Lane lane_of(const Packet& packet, const Ray& ray) {
+  if (packet.copies == nullptr) return {packet, reinterpret_cast<RTCRayN*>(const_cast<Ray*>(&ray)), 0};
+  return {packet, packet.rays, packet.indices[&ray - packet.copies]};
 }
 
-inline unsigned geom_id_of(const Lane& lane, const Hit& hit) {
-  const unsigned own = lane.published->meshes[hit.mesh].geom_id;
-  return own == RTC_INVALID_GEOMETRY_ID ? lane.geom_id : own;
+/// HitFilter::accept with the packet as its user: the meshes' filters and the query's. An accepted closest
+/// hit is written to its lane.
+bool accept_closest_hit(void* packet, const Ray& ray, const Hit& candidate);
+bool accept_any_hit(void* packet, const Ray& ray, const Hit& candidate);
+
+/// Whether the query's filter may have to run.
+inline bool has_query_filter(const Packet& packet) {
+  return packet.query_filter.function != nullptr &&
+         (packet.query_filter.on_all_meshes || packet.published->meshes_take_query_filters);
+}
+
+inline unsigned geom_id_of(const Packet& packet, const Hit& hit) {
+  const unsigned own = packet.published->meshes[hit.mesh].geom_id;
+  return own == RTC_INVALID_GEOMETRY_ID ? packet.geom_id : own;
 }
 
 /// Writes hit data to entry `index` of a packet of `size`.

@@ -74,6 +74,14 @@ inline void intersect_one(StbvhGeometry geometry, RTCRayHit& ray, const QueryOpt
 inline void occluded_one(StbvhGeometry geometry, RTCRay& ray, const QueryOptions& options = {}) {
   stbvhOccluded1(geometry, &ray, OccludedArguments(options).get());
 }
+inline void intersect_many(StbvhGeometry geometry, RTCRayHit* rays, std::size_t count, std::size_t stride,
+                           const QueryOptions& options = {}) {
+  stbvhIntersectN(geometry, rays, count, stride, IntersectArguments(options).get());
+}
+inline void occluded_many(StbvhGeometry geometry, RTCRay* rays, std::size_t count, std::size_t stride,
+                          const QueryOptions& options = {}) {
+  stbvhOccludedN(geometry, rays, count, stride, OccludedArguments(options).get());
+}
 
 #define STBVH_TEST_PACKETS(N)                                                          \
   inline void intersect_packet(const int* valid, RTCScene scene, RTCRayHit##N& packet, \
@@ -117,6 +125,15 @@ inline void intersect_one(StbvhGeometry geometry, RTCRayHit& ray, const QueryOpt
 }
 inline void occluded_one(StbvhGeometry geometry, RTCRay& ray, const QueryOptions& options = {}) {
   stbvhOccluded1(geometry, brings_nothing(options) ? nullptr : ContextOf(options).get(), &ray);
+}
+inline void intersect_many(StbvhGeometry geometry, RTCRayHit* rays, std::size_t count, std::size_t stride,
+                           const QueryOptions& options = {}) {
+  stbvhIntersectN(geometry, brings_nothing(options) ? nullptr : ContextOf(options).get(), rays, count,
+                  stride);
+}
+inline void occluded_many(StbvhGeometry geometry, RTCRay* rays, std::size_t count, std::size_t stride,
+                          const QueryOptions& options = {}) {
+  stbvhOccludedN(geometry, brings_nothing(options) ? nullptr : ContextOf(options).get(), rays, count, stride);
 }
 
 #define STBVH_TEST_PACKETS(N)                                                          \

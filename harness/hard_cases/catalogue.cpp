@@ -7,9 +7,9 @@ bool HardFamily::admits(std::string_view structure) const {
     case Askable::kAll:
       return true;
     case Askable::kOurs:
-      return structure.starts_with("stbvh");
+      return structure.starts_with("stbvh") && structure != "stbvh-beside";
     case Askable::kDirect:
-      return structure.starts_with("stbvh-direct");
+      return structure.starts_with("stbvh-direct") || structure == "stbvh-batch";
   }
   return false;
 }

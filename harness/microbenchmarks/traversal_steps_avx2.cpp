@@ -3,7 +3,7 @@
 #include "simd/f32x8_avx2.h"  // before the traversal, which is then made of it
 
 #include "harness/microbenchmarks/traversal_steps.h"
-#include "traverse/traverse.inl"
+#include "traverse/steps.inl"
 
 namespace stbvh::harness {
 namespace {
@@ -31,9 +31,10 @@ std::size_t node_throughput(const NodeRing<Node>& ring, std::size_t count) {
   TraversalRay ray;
   if (!setup_ray<Test>(ring.structure, ring.ray, ray)) return 0;
   hide(ray);
+  const KeptSlabs slabs(ray);
   std::size_t met = 0;
   for (std::size_t i = 0; i < count; ++i) {
-    const ChildHits hits = intersect_node<Test>(ray, ring.nodes[i % kRing]);
+    const ChildHits hits = intersect_node<Test>(ray, slabs, ring.nodes[i % kRing]);
     keep(hits.entry);
     met += boxes_met(hits);
   }
@@ -45,11 +46,12 @@ std::size_t node_latency(const NodeRing<Node>& ring, std::size_t count) {
   TraversalRay ray;
   if (!setup_ray<Test>(ring.structure, ring.ray, ray)) return 0;
   hide(ray);
+  const KeptSlabs slabs(ray);
   std::size_t met = 0;
   Link link = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const auto& node = *reinterpret_cast<const Node*>(address(ring.structure, link));
-    const ChildHits hits = intersect_node<Test>(ray, node);
+    const ChildHits hits = intersect_node<Test>(ray, slabs, node);
     keep(hits.entry);
     met += boxes_met(hits);
     if (hits.bits == 0) break;

@@ -136,7 +136,7 @@ void draw_view(PreviewModel& model) {
   if (ImGui::Combo("Heat map", &heat, kHeats)) view.heat = static_cast<HeatMap>(heat);
   if (view.heat != HeatMap::kNone) {
     slider("Lightest at", view.heat_largest, 4, 1000, "%.0f", ImGuiSliderFlags_Logarithmic);
-    ImGui::TextUnformatted("grey: only stbvh-direct structures count");
+    ImGui::TextUnformatted("grey: only structures without Embree count");
   }
 }
 
@@ -207,7 +207,7 @@ void draw_camera(PreviewModel& model) {
 void draw_tree(PreviewModel& model) {
   TreeOptions& tree = model.tree_options;
   if (model.tree() == nullptr) {
-    ImGui::TextWrapped("Choose a stbvh-direct structure to see its tree.");
+    ImGui::TextWrapped("Choose stbvh-direct or stbvh-batch to see its tree.");
     return;
   }
   ImGui::Checkbox("Boxes (t)", &tree.shows_boxes);

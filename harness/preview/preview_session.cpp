@@ -31,13 +31,17 @@ bool is_same(const RenderSettings& a, const RenderSettings& b) {
 
 }  // namespace
 
+PreviewSession::PreviewSession(unsigned threads, std::size_t most_samples, OnNews on_news, NotStarted)
+    : most_samples_(most_samples), on_news_(std::move(on_news)), crew_(threads), picture_(crew_) {}
+
+// Where a thread cannot be started the destructor ends those before it: the constructor that it stands for is
+// done.
 PreviewSession::PreviewSession(unsigned threads, std::size_t most_samples, OnNews on_news)
-    : most_samples_(most_samples),
-      on_news_(std::move(on_news)),
-      crew_(threads),
-      picture_(crew_),
-      renderer_([this] { render(); }),
-      loader_(threads, [this](const BuiltPair& structures, bool is_last) { deliver(structures, is_last); }) {}
+    : PreviewSession(threads, most_samples, std::move(on_news), NotStarted{}) {
+  renderer_ = std::thread([this] { render(); });
+  loader_.emplace(threads,
+                  [this](const BuiltPair& structures, bool is_last) { deliver(structures, is_last); });
+}
 
 PreviewSession::~PreviewSession() {
   {
@@ -47,7 +51,7 @@ PreviewSession::~PreviewSession() {
   }
   wake_.notify_all();
   first_shown_.notify_all();
-  renderer_.join();
+  if (renderer_.joinable()) renderer_.join();
 }
 
 void PreviewSession::set_settings(const RenderSettings& settings, std::uint64_t scene_number) {

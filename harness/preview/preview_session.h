@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -32,14 +33,15 @@ class PreviewSession {
   /// Called from the threads when structures or a new picture are there.
   using OnNews = std::function<void()>;
 
-  /// Builds and renders with `threads` threads; pictures end at `most_samples` samples.
+  /// Builds and renders with `threads` threads; pictures end at `most_samples` samples. Throws
+  /// std::system_error where the system gives no more threads.
   PreviewSession(unsigned threads, std::size_t most_samples, OnNews on_news = {});
   ~PreviewSession();
   PreviewSession(const PreviewSession&) = delete;
   PreviewSession& operator=(const PreviewSession&) = delete;
 
-  SceneLoader& loader() { return loader_; }
-  LoadProgress load_progress() const { return loader_.progress(); }
+  SceneLoader& loader() { return *loader_; }
+  LoadProgress load_progress() const { return loader_->progress(); }
 
   /// Begins a new picture of scene `scene_number`; it takes the place of the last one as soon as its coarsest
   /// pass is there. Does nothing where the settings are the same, or the scene is there no longer. A new
@@ -57,6 +59,9 @@ class PreviewSession {
  private:
   void deliver(const BuiltPair& structures, bool is_last);
   void wait_for_first_picture(std::unique_lock<std::mutex>& lock);
+  struct NotStarted {};
+  PreviewSession(unsigned threads, std::size_t most_samples, OnNews on_news, NotStarted);
+
   void tell() const;
   void render();
   void change();
@@ -84,7 +89,7 @@ class PreviewSession {
   BuiltPair rendered_;      ///< what it is of; of the rendering thread
   RenderSettings rendered_settings_;
   std::thread renderer_;
-  SceneLoader loader_;  ///< the last: it delivers to all of the above
+  std::optional<SceneLoader> loader_;  ///< the last: it delivers to all of the above
 };
 
 }  // namespace stbvh::harness

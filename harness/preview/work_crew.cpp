@@ -26,7 +26,9 @@ double thread_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-WorkCrew::WorkCrew(std::size_t threads) {
+// Where a thread cannot be started the destructor ends those before it: the constructor that it stands for is
+// done.
+WorkCrew::WorkCrew(std::size_t threads) : WorkCrew() {
   for (std::size_t i = 1; i < threads; ++i) helpers_.emplace_back([this] { help(); });
 }
 

@@ -23,7 +23,8 @@ double thread_seconds();
 
 class WorkCrew {
  public:
-  /// `threads` (at least 1), the one that calls run() among them.
+  /// `threads` (at least 1), the one that calls run() among them. Throws std::system_error where the system
+  /// gives no more threads.
   explicit WorkCrew(std::size_t threads);
   ~WorkCrew();
   WorkCrew(const WorkCrew&) = delete;
@@ -36,6 +37,7 @@ class WorkCrew {
   void run(std::size_t count, const std::function<void(std::size_t)>& work);
 
  private:
+  WorkCrew() = default;
   void help();
   void take(std::unique_lock<std::mutex>& lock);
 

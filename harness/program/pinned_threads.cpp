@@ -35,7 +35,12 @@ unsigned usable_core_count() {
   return static_cast<unsigned>(usable_cores().size());
 }
 
-PinnedThreads::PinnedThreads(unsigned count) : start_(count + 1), finish_(count + 1), times_(count) {
+PinnedThreads::PinnedThreads(unsigned count, NotStarted)
+    : start_(count + 1), finish_(count + 1), times_(count) {}
+
+// Where a thread cannot be started the destructor ends those before it: the constructor that it stands for is
+// done.
+PinnedThreads::PinnedThreads(unsigned count) : PinnedThreads(count, NotStarted{}) {
   const std::vector<int> cores = usable_cores();
   for (unsigned i = 0; i < count; ++i) {
     threads_.emplace_back([this, i, core = cores.at(i)] { serve(i, core); });
@@ -44,7 +49,8 @@ PinnedThreads::PinnedThreads(unsigned count) : start_(count + 1), finish_(count 
 
 PinnedThreads::~PinnedThreads() {
   work_ = nullptr;
-  start_.arrive_and_wait();
+  const std::size_t not_started = times_.size() - threads_.size();
+  static_cast<void>(start_.arrive(static_cast<std::ptrdiff_t>(not_started + 1)));
   for (std::thread& thread : threads_) thread.join();
 }
 

@@ -16,7 +16,8 @@ unsigned usable_core_count();
 /// applications. Work must not throw.
 class PinnedThreads {
  public:
-  /// `count` is at least 1 and at most usable_core_count().
+  /// `count` is at least 1 and at most usable_core_count(). Throws std::system_error where the system gives
+  /// no more threads.
   explicit PinnedThreads(unsigned count);
   ~PinnedThreads();
   PinnedThreads(const PinnedThreads&) = delete;
@@ -28,6 +29,9 @@ class PinnedThreads {
   double run(const std::function<void(unsigned thread)>& work);
 
  private:
+  struct NotStarted {};
+  PinnedThreads(unsigned count, NotStarted);
+
   using Clock = std::chrono::steady_clock;
   struct Times {
     Clock::time_point begin, end;

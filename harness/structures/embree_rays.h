@@ -2,6 +2,10 @@
 /// none pays more for it than another.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
+#include <span>
+
 #include "harness/structures/hit_record.h"
 #include "plugin/embree_api.h"
 
@@ -50,8 +54,53 @@ inline Hit to_hit(const RTCRayHit& query, std::uint32_t geom_id) {
 }
 
 /// Answer to an occlusion query: Embree sets tfar to -inf where something is in the way.
-inline HitRecord to_occlusion_record(const RTCRay& ray) {
-  return {ray.tfar, ray.tfar < 0.0f ? 0u : kInvalidId, ray.tfar < 0.0f ? 0u : kInvalidId};
+inline HitRecord to_occlusion_record(float tfar) {
+  return {tfar, tfar < 0.0f ? 0u : kInvalidId, tfar < 0.0f ? 0u : kInvalidId};
 }
+
+inline constexpr std::size_t kPacket = 16;
+
+/// The first rays of `first` as a packet of 16. Lanes without one are switched off twice: Embree 3 does not
+/// look at `valid` where it cuts packets up.
+template <typename Rays>
+struct EmbreePacket {
+  alignas(64) int valid[kPacket];
+  Rays rays;
+  std::size_t count;
+
+  explicit EmbreePacket(std::span<const Ray> first) : count(std::min(first.size(), kPacket)) {
+    RTCRay16& r = lanes(rays);
+    for (std::size_t i = 0; i < kPacket; ++i) {
+      const Ray& ray = first[i < count ? i : 0];
+      valid[i] = i < count ? -1 : 0;
+      r.org_x[i] = ray.origin.x;
+      r.org_y[i] = ray.origin.y;
+      r.org_z[i] = ray.origin.z;
+      r.tnear[i] = i < count ? ray.tnear : 1.0f;
+      r.dir_x[i] = ray.direction.x;
+      r.dir_y[i] = ray.direction.y;
+      r.dir_z[i] = ray.direction.z;
+      r.time[i] = ray.time;
+      r.tfar[i] = i < count ? ray.tfar : -1.0f;
+      r.mask[i] = ray.mask;
+      r.id[i] = 0;
+      r.flags[i] = 0;
+    }
+  }
+
+  void clear_hits() {
+    std::ranges::fill(rays.hit.geomID, RTC_INVALID_GEOMETRY_ID);
+    std::ranges::fill(rays.hit.primID, RTC_INVALID_GEOMETRY_ID);
+    std::ranges::fill(rays.hit.instID[0], RTC_INVALID_GEOMETRY_ID);
+  }
+
+  HitRecord hit_record(std::size_t i) const {
+    return {rays.ray.tfar[i], rays.hit.geomID[i], rays.hit.primID[i]};
+  }
+
+ private:
+  static RTCRay16& lanes(RTCRay16& rays) { return rays; }
+  static RTCRay16& lanes(RTCRayHit16& rays) { return rays.ray; }
+};
 
 }  // namespace stbvh::harness

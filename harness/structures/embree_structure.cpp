@@ -46,7 +46,26 @@ void occluded_scene(RTCScene scene, std::span<const Ray> rays, std::span<HitReco
   for (std::size_t i = 0; i < rays.size(); ++i) {
     RTCRay ray = to_embree(rays[i]);
     embree.occluded(scene, ray);
-    hits[i] = to_occlusion_record(ray);
+    hits[i] = to_occlusion_record(ray.tfar);
+  }
+}
+
+void intersect_in_packets(RTCScene scene, std::span<const Ray> rays, std::span<HitRecord> hits) {
+  plugin::RayQuery embree;
+  for (std::size_t begin = 0; begin < rays.size(); begin += kPacket) {
+    EmbreePacket<RTCRayHit16> packet(rays.subspan(begin));
+    packet.clear_hits();
+    embree.intersect(scene, packet.valid, packet.rays);
+    for (std::size_t i = 0; i < packet.count; ++i) hits[begin + i] = packet.hit_record(i);
+  }
+}
+
+void occluded_in_packets(RTCScene scene, std::span<const Ray> rays, std::span<HitRecord> hits) {
+  plugin::RayQuery embree;
+  for (std::size_t begin = 0; begin < rays.size(); begin += kPacket) {
+    EmbreePacket<RTCRay16> packet(rays.subspan(begin));
+    embree.occluded(scene, packet.valid, packet.rays);
+    for (std::size_t i = 0; i < packet.count; ++i) hits[begin + i] = to_occlusion_record(packet.rays.tfar[i]);
   }
 }
 
@@ -63,7 +82,7 @@ bool occluded_scene(RTCScene scene, const Ray& ray) {
   plugin::RayQuery embree;
   RTCRay query = to_embree(ray);
   embree.occluded(scene, query);
-  return to_occlusion_record(query).is_hit();
+  return to_occlusion_record(query.tfar).is_hit();
 }
 
 }  // namespace stbvh::harness

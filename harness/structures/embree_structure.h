@@ -11,7 +11,7 @@ namespace stbvh::harness {
 /// Device string with which Embree keeps the vertices of one segment in its leaves ("4v").
 inline constexpr std::string_view kVertexLeaves = "tri_accel_mb=bvh8.triangle4vmb";
 
-class EmbreeStructure final : public StructureUnderTest {
+class EmbreeStructure : public StructureUnderTest {
  public:
   EmbreeStructure(const Scene& scene, std::string_view device_options, RTCSceneFlags flags, unsigned threads,
                   const BuildProgress& progress);
@@ -22,16 +22,35 @@ class EmbreeStructure final : public StructureUnderTest {
   bool intersect_one(const Ray& ray, Hit& hit) const override;
   bool occluded_one(const Ray& ray) const override;
 
+ protected:
+  RTCScene scene() const { return scene_.get(); }
+
  private:
   EmbreeDevice device_;
   ScenePtr scene_;
   BuildRecord record_;
 };
 
-/// Traces `rays` through one Embree scene; geomIDs are taken as they are.
+/// Traces `rays` through one Embree scene, one by one or in packets of 16; geomIDs are taken as they are.
 void intersect_scene(RTCScene scene, std::span<const Ray> rays, std::span<HitRecord> hits);
 void occluded_scene(RTCScene scene, std::span<const Ray> rays, std::span<HitRecord> hits);
+void intersect_in_packets(RTCScene scene, std::span<const Ray> rays, std::span<HitRecord> hits);
+void occluded_in_packets(RTCScene scene, std::span<const Ray> rays, std::span<HitRecord> hits);
 bool intersect_scene(RTCScene scene, const Ray& ray, Hit& hit);
 bool occluded_scene(RTCScene scene, const Ray& ray);
+
+/// A structure of Embree's scenes, asked with packets of 16 rays; for pictures with single rays, as it is.
+template <typename EmbreeScene>
+class InPackets final : public EmbreeScene {
+ public:
+  using EmbreeScene::EmbreeScene;
+
+  void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override {
+    intersect_in_packets(this->scene(), rays, hits);
+  }
+  void occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const override {
+    occluded_in_packets(this->scene(), rays, hits);
+  }
+};
 
 }  // namespace stbvh::harness

@@ -131,7 +131,7 @@ void Lbvh::occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const 
       const Window& window = windows_[times_.window_of(rays[i].time)];
       embree.occluded(window.scene.get(), ray);
     }
-    hits[i] = to_occlusion_record(ray);
+    hits[i] = to_occlusion_record(ray.tfar);
   }
 }
 

@@ -24,7 +24,7 @@ struct Entry {
   StructurePtr (*build)(const Scene& scene, unsigned threads, const BuildProgress& progress);
 };
 
-constexpr std::array<Entry, 13> kEntries{{
+constexpr std::array<Entry, 17> kEntries{{
     {"embree", "Embree's own motion blur tree, as an application gets it by default",
      build_embree<RTC_SCENE_FLAG_NONE>},
     {"embree-robust", "the same with the flag ROBUST", build_embree<RTC_SCENE_FLAG_ROBUST>},
@@ -32,6 +32,10 @@ constexpr std::array<Entry, 13> kEntries{{
     {"embree-4v", "the same with the vertices in its leaves (bvh8.triangle4vmb)",
      [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
        return std::make_unique<EmbreeStructure>(scene, kVertexLeaves, RTC_SCENE_FLAG_NONE, threads, progress);
+     }},
+    {"embree-16", "Embree's own motion blur tree, asked by rtcIntersect16 and rtcOccluded16",
+     [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
+       return std::make_unique<InPackets<EmbreeStructure>>(scene, "", RTC_SCENE_FLAG_NONE, threads, progress);
      }},
     {"lbvh", "a tree of linear motion for each time segment, made of Embree's",
      [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
@@ -45,7 +49,16 @@ constexpr std::array<Entry, 13> kEntries{{
      [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
        return std::make_unique<StbvhPlugin>(scene, PluginSettings{}, threads, progress);
      }},
-    {"stbvh-fast", "the same with the precision FAST: not watertight",
+    {"stbvh-16", "the same, asked by rtcIntersect16 and rtcOccluded16",
+     [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
+       return std::make_unique<InPackets<StbvhPlugin>>(scene, PluginSettings{}, threads, progress);
+     }},
+    {"stbvh-beside", "our plugin for what moves, Embree's own triangles for what stands still, in one scene",
+     [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
+       return std::make_unique<StbvhPlugin>(scene, PluginSettings{.still_in_embree = true}, threads,
+                                            progress);
+     }},
+    {"stbvh-fast", "our plugin with the precision FAST: not watertight",
      [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
        return std::make_unique<StbvhPlugin>(scene, PluginSettings{.precision = STBVH_PRECISION_FAST}, threads,
                                             progress);
@@ -58,6 +71,10 @@ constexpr std::array<Entry, 13> kEntries{{
     {"stbvh-direct", "our kernels without Embree, as stbvhIntersect1 asks them",
      [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
        return std::make_unique<StbvhDirect>(scene, BuildSettings{}, threads, progress);
+     }},
+    {"stbvh-batch", "our kernels without Embree, many rays in a call, as stbvhIntersectN asks them",
+     [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
+       return std::make_unique<StbvhBatch>(scene, BuildSettings{}, threads, progress);
      }},
     {"stbvh-direct-fast", "our kernels without Embree, not watertight",
      [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
@@ -120,7 +137,7 @@ std::string obstacle(std::string_view name, const Scene& scene) {
 }
 
 bool is_exact(std::string_view name) {
-  return name.starts_with("stbvh") && !name.ends_with("-fast");
+  return name.starts_with("stbvh") && !name.ends_with("-fast") && name != "stbvh-beside";
 }
 
 std::unique_ptr<StructureUnderTest> build_structure(std::string_view name, const Scene& scene,

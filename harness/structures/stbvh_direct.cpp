@@ -50,6 +50,38 @@ void StbvhDirect::occluded(std::span<const Ray> rays, std::span<HitRecord> hits)
   }
 }
 
+namespace {
+
+/// Rays side by side, and a record for each.
+struct SideBySide {
+  const Ray* rays;
+  HitRecord* hits;
+
+  HitRecord& of(const Ray& ray) const { return hits[&ray - rays]; }
+};
+
+RayBatch batch_of(std::span<const Ray> rays, SideBySide& both,
+                  void (*report)(void* user, const Ray& ray, const Hit& hit)) {
+  for (std::size_t i = 0; i < rays.size(); ++i) both.hits[i] = {rays[i].tfar, kInvalidId, kInvalidId};
+  return {rays.data(), sizeof(Ray), rays.size(), report, &both};
+}
+
+}  // namespace
+
+void StbvhBatch::intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const {
+  SideBySide both{rays.data(), hits.data()};
+  tree()->intersect(batch_of(rays, both, [](void* user, const Ray& ray, const Hit& hit) {
+    static_cast<const SideBySide*>(user)->of(ray) = {hit.t, hit.geom_id, hit.prim_id};
+  }));
+}
+
+void StbvhBatch::occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const {
+  SideBySide both{rays.data(), hits.data()};
+  tree()->occluded(batch_of(rays, both, [](void* user, const Ray& ray, const Hit&) {
+    static_cast<const SideBySide*>(user)->of(ray) = {ray.tfar, 0u, 0u};
+  }));
+}
+
 bool StbvhDirect::intersect_one(const Ray& ray, Hit& hit) const {
   return isa_ ? structure_->intersect_on(*isa_, ray, hit) : structure_->intersect(ray, hit);
 }

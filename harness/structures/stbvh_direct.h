@@ -8,7 +8,7 @@
 
 namespace stbvh::harness {
 
-class StbvhDirect final : public StructureUnderTest {
+class StbvhDirect : public StructureUnderTest {
  public:
   /// Traces on the default instruction set unless `isa`, one of available_isas(), is given.
   StbvhDirect(const Scene& scene, const BuildSettings& settings, unsigned threads,
@@ -28,6 +28,15 @@ class StbvhDirect final : public StructureUnderTest {
   std::unique_ptr<Structure> structure_;
   std::optional<Isa> isa_;
   BuildRecord record_;
+};
+
+/// The same, given all rays of a call at once; for pictures single ones.
+class StbvhBatch final : public StbvhDirect {
+ public:
+  using StbvhDirect::StbvhDirect;
+
+  void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
+  void occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
 };
 
 }  // namespace stbvh::harness

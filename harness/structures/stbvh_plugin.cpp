@@ -16,8 +16,12 @@ StbvhPlugin::StbvhPlugin(const Scene& scene, const PluginSettings& settings, uns
   const BuildMeter meter(threads);
   geometry_.reset(stbvhNewGeometry(device_.get()));
   if (!geometry_) throw std::bad_alloc();
+  scene_ = device_.new_scene(RTC_SCENE_FLAG_NONE);
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
-    if (scene.meshes[i].triangle_count() > 0) add_mesh(scene.meshes[i], static_cast<unsigned>(i));
+    const Mesh& mesh = scene.meshes[i];
+    if (mesh.triangle_count() == 0) continue;
+    const bool stays_embrees = settings.still_in_embree && mesh.is_static();
+    stays_embrees ? attach_mesh(mesh, static_cast<unsigned>(i)) : add_mesh(mesh, static_cast<unsigned>(i));
   }
   check(stbvhSetGeometryPrecision(geometry_.get(), settings.precision));
   check(stbvhSetGeometryInlineShare(geometry_.get(), settings.inline_share));
@@ -27,16 +31,16 @@ StbvhPlugin::StbvhPlugin(const Scene& scene, const PluginSettings& settings, uns
   }
   check(stbvhCommitGeometry(geometry_.get()));
   check(stbvhSetGeometryProgressFunction(geometry_.get(), nullptr, nullptr));
-  scene_ = device_.new_scene(RTC_SCENE_FLAG_NONE);
-  rtcAttachGeometry(scene_.get(), stbvhGetGeometry(geometry_.get()));
+  rtcAttachGeometryByID(scene_.get(), stbvhGetGeometry(geometry_.get()),
+                        static_cast<unsigned>(scene.meshes.size()));
   rtcCommitScene(scene_.get());
   device_.check();
   record_.build_s = meter.seconds();
   StbvhStatistics statistics;
   stbvhInitStatistics(&statistics);
   check(stbvhGetStatistics(geometry_.get(), &statistics));
-  record_.structure_bytes = statistics.structureBytes;
   record_.monitor_bytes = device_.memory().current_bytes();
+  record_.structure_bytes = settings.still_in_embree ? record_.monitor_bytes : statistics.structureBytes;
   record_.peak_bytes = device_.memory().peak_bytes();
   record_.resident_bytes = meter.resident_growth();
 }
@@ -56,6 +60,12 @@ void StbvhPlugin::add_mesh(const Mesh& mesh, unsigned geom_id) {
   arguments.mask = mesh.mask;
   arguments.geomID = geom_id;
   check(stbvhAddMesh(geometry_.get(), &arguments, nullptr));
+}
+
+/// As Embree's own triangles.
+void StbvhPlugin::attach_mesh(const Mesh& mesh, unsigned geom_id) {
+  const GeometryPtr geometry = new_triangle_geometry(device_, mesh, 0, 1, mesh.time_range);
+  rtcAttachGeometryByID(scene_.get(), geometry.get(), geom_id);
 }
 
 void StbvhPlugin::check(RTCError error) const {

@@ -15,9 +15,10 @@ namespace stbvh::harness {
 struct PluginSettings {
   StbvhPrecision precision = STBVH_PRECISION_WATERTIGHT;
   float inline_share = 1.0f;
+  bool still_in_embree = false;  ///< meshes of one step stay Embree's own, beside ours in one scene
 };
 
-class StbvhPlugin final : public StructureUnderTest {
+class StbvhPlugin : public StructureUnderTest {
  public:
   StbvhPlugin(const Scene& scene, const PluginSettings& settings, unsigned threads,
               const BuildProgress& progress);
@@ -28,6 +29,9 @@ class StbvhPlugin final : public StructureUnderTest {
   bool intersect_one(const Ray& ray, Hit& hit) const override;
   bool occluded_one(const Ray& ray) const override;
 
+ protected:
+  RTCScene scene() const { return scene_.get(); }
+
  private:
   struct Release {
     void operator()(StbvhGeometry geometry) const { stbvhReleaseGeometry(geometry); }
@@ -35,6 +39,7 @@ class StbvhPlugin final : public StructureUnderTest {
   using StbvhGeometryPtr = std::unique_ptr<std::remove_pointer_t<StbvhGeometry>, Release>;
 
   void add_mesh(const Mesh& mesh, unsigned geom_id);
+  void attach_mesh(const Mesh& mesh, unsigned geom_id);
   void check(RTCError error) const;
 
   EmbreeDevice device_;

@@ -31,7 +31,7 @@ class StructureUnderTest {
 
   virtual const BuildRecord& build_record() const = 0;
 
-  /// Traces `rays` one by one, in order, on the calling thread; `hits` has the same length.
+  /// Traces each of `rays` once, on the calling thread; `hits` has the same length.
   virtual void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const = 0;
   virtual void occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const = 0;
 
@@ -57,7 +57,8 @@ std::vector<std::string_view> structure_names();
 /// What the structure `name` is, in one line. Throws std::invalid_argument for an unknown name.
 std::string_view structure_description(std::string_view name);
 
-/// Whether that structure promises the exact answer within rounding: ours do, but for the fast precision.
+/// Whether that structure promises the exact answer within rounding: ours do, but for the fast precision and
+/// where Embree answers a part of the rays.
 bool is_exact(std::string_view name);
 
 /// Why the structure `name` cannot be built over `scene`, as the rest of a sentence; empty if it can.

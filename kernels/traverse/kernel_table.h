@@ -6,14 +6,17 @@
 
 namespace stbvh {
 
-/// Closest hit and any hit, plain, with a filter, and counted. `hit` is written only on a hit.
+/// Closest hit and any hit, plain, with a filter, counted, and of many rays in flight. `hit` is written only
+/// on a hit.
 struct KernelTable {
   bool (*intersect)(const StructureView&, const Ray&, Hit&);
   bool (*intersect_filtered)(const StructureView&, const Ray&, Hit&, const HitFilter&);
   bool (*intersect_counted)(const StructureView&, const Ray&, Hit&, TraversalCounters&);
+  void (*intersect_in_flight)(const StructureView&, const RayBatch&);
   bool (*occluded)(const StructureView&, const Ray&);
   bool (*occluded_filtered)(const StructureView&, const Ray&, const HitFilter&);
   bool (*occluded_counted)(const StructureView&, const Ray&, TraversalCounters&);
+  void (*occluded_in_flight)(const StructureView&, const RayBatch&);
 };
 
 /// The tables of one instruction set.

@@ -39,11 +39,12 @@ constexpr PlaneOffsets kPlaneOffsets[] = {plane_offsets(0), plane_offsets(1), pl
 /// Directions are divided by their largest component, so that neither their length nor a vanishing component
 /// overflows: boxes are met at s = t * |direction[kz]|.
 struct TraversalRay {
-  F32x8 near_origin[3];  ///< in all lanes; what Test::slab() takes for near planes, and for far ones
-  F32x8 far_origin[3];
-  F32x8 inverse[3];             ///< in all lanes; 1 / (direction[i] / |direction[kz]|), finite
-  const PlaneOffsets* planes;   ///< which planes are near, and which far
-  alignas(16) float origin[4];  ///< x, y, z; the fourth of both is not used
+  /// What Test::slab() takes for near planes, and for far ones. The fourth of each is not used.
+  alignas(16) float near_origin[4];
+  alignas(16) float far_origin[4];
+  alignas(16) float inverse[4];  ///< 1 / (direction[i] / |direction[kz]|), finite
+  const PlaneOffsets* planes;    ///< which planes are near, and which far
+  alignas(16) float origin[4];   ///< x, y, z; the fourth of both is not used
   alignas(16) float direction[4];
   int kx, ky, kz;  ///< kz: the axis of the largest direction component (Woop, Benthin, Wald 2013)
   float shear_x, shear_y;
@@ -84,12 +85,6 @@ inline Axes largest_of(Axes a) {
 
 inline unsigned bits_of(Axes mask) {
   return static_cast<unsigned>(_mm_movemask_ps(mask)) & 7u;
-}
-
-inline void splat_axes(F32x8 (&out)[3], Axes a) {
-  alignas(16) float axes[4];
-  _mm_store_ps(axes, a);
-  for (int i = 0; i < 3; ++i) out[i] = splat(axes[i]);
 }
 
 /// Largest distance along an axis from the ray's origin to anything in the scene.

@@ -20,9 +20,9 @@ struct PaddedSlabs {
   static void set_slabs(Axes origin, Axes direction, Axes inverse, Axes distance, TraversalRay& r) {
     const Axes sign = _mm_and_ps(_mm_set1_ps(-0.0f), direction);
     const Axes backwards = _mm_or_ps(sign, slack(origin, distance));
-    splat_axes(r.inverse, inverse);
-    splat_axes(r.near_origin, _mm_add_ps(origin, backwards));
-    splat_axes(r.far_origin, _mm_sub_ps(origin, backwards));
+    _mm_store_ps(r.inverse, inverse);
+    _mm_store_ps(r.near_origin, _mm_add_ps(origin, backwards));
+    _mm_store_ps(r.far_origin, _mm_sub_ps(origin, backwards));
   }
 
   static F32x8 slab(F32x8 plane, F32x8 origin, F32x8 inverse) { return (plane - origin) * inverse; }
@@ -31,12 +31,13 @@ struct PaddedSlabs {
 /// As renderers commonly do it.
 struct UnpaddedSlabs {
   static void set_slabs(Axes origin, Axes, Axes inverse, Axes, TraversalRay& r) {
-    splat_axes(r.inverse, inverse);
+    _mm_store_ps(r.inverse, inverse);
     // Finite: where it were not, empty slots of nodes would be met.
     const Axes shift = _mm_mul_ps(_mm_xor_ps(_mm_set1_ps(-0.0f), origin), inverse);
     const Axes most = _mm_set1_ps(kLargest);
-    splat_axes(r.near_origin, _mm_max_ps(_mm_min_ps(shift, most), _mm_set1_ps(-kLargest)));
-    for (int i = 0; i < 3; ++i) r.far_origin[i] = r.near_origin[i];
+    const Axes finite = _mm_max_ps(_mm_min_ps(shift, most), _mm_set1_ps(-kLargest));
+    _mm_store_ps(r.near_origin, finite);
+    _mm_store_ps(r.far_origin, finite);
   }
 
   static F32x8 slab(F32x8 plane, F32x8 shift, F32x8 inverse) { return multiply_add(plane, inverse, shift); }

@@ -1,6 +1,6 @@
 #include "simd/f32x8_scalar.h"  // before the traversal, which is then made of it
 
-#include "traverse/traverse.inl"
+#include "traverse/kernel_table.inl"
 
 namespace stbvh {
 

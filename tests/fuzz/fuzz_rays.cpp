@@ -1,5 +1,7 @@
 /// Bytes -> rays of any bit patterns into a few structures that are hard to bound, built once.
 #include <memory>
+#include <span>
+#include <vector>
 
 #include "flush_to_zero.h"
 #include "hard_meshes.h"
@@ -55,6 +57,11 @@ class Target {
     unculled_ = std::make_unique<test::Unculled>(views_);
   }
 
+  void check(std::span<const Ray> rays) const {
+    check_batch(*structure_, rays);
+    check_batch(*fast_, rays);
+  }
+
   std::span<const MeshView> views() const { return views_; }
   void check(const Ray& ray) const {
     check_ray(*structure_, *unculled_, ray);
@@ -88,11 +95,11 @@ void run(ByteReader in) {
   static const std::vector<Target> targets = make_targets();
   const std::uint8_t flags = in.byte();
   const Target& target = targets[in.byte() % targets.size()];
-  for (std::size_t ray = 0; ray < kMaxRays && !in.empty(); ++ray) {
-    const Ray any = take_ray(in, target.views());
-    const test::FlushToZero guard((flags & 1) != 0);
-    target.check(any);
-  }
+  std::vector<Ray> rays;
+  while (rays.size() < kMaxRays && !in.empty()) rays.push_back(take_ray(in, target.views()));
+  const test::FlushToZero guard((flags & 1) != 0);
+  for (const Ray& ray : rays) target.check(ray);
+  target.check(rays);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <vector>
 
 #include "require.h"
 
@@ -156,6 +157,36 @@ void check_ray(const Structure& structure, const test::Unculled& unculled, const
     check.check_filters(isa, hit);
   }
   check.check_default_isa(hit);
+}
+
+void check_batch(const Structure& structure, std::span<const Ray> rays) {
+  struct Found {
+    std::span<const Ray> rays;
+    std::vector<int> times;
+    std::vector<Hit> hits;
+
+    std::size_t count(const Ray& ray) {
+      const auto i = static_cast<std::size_t>(&ray - rays.data());
+      require(++times[i] == 1, "a ray is reported once");
+      return i;
+    }
+  };
+  const auto closest_hit = [](void* user, const Ray& ray, const Hit& hit) {
+    Found& found = *static_cast<Found*>(user);
+    found.hits[found.count(ray)] = hit;
+  };
+  const auto any_hit = [](void* user, const Ray& ray, const Hit&) { static_cast<Found*>(user)->count(ray); };
+  for (const Isa isa : available_isas()) {
+    Found closest{rays, std::vector<int>(rays.size()), std::vector<Hit>(rays.size())}, any = closest;
+    structure.intersect_on(isa, {rays.data(), sizeof(Ray), rays.size(), closest_hit, &closest});
+    structure.occluded_on(isa, {rays.data(), sizeof(Ray), rays.size(), any_hit, &any});
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const RayCheck check(structure, rays[i]);
+      const std::optional<Hit> expected = check.trace(isa);
+      check.check_same(isa, expected, closest.times[i] > 0 ? std::optional(closest.hits[i]) : std::nullopt);
+      check.require_of((any.times[i] > 0) == expected.has_value(), isa, "in flight occluded as alone");
+    }
+  }
 }
 
 void check_fast_ray(const Structure& fast, const Ray& ray) {

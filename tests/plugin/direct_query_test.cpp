@@ -1,6 +1,8 @@
 // stbvhIntersect1 and stbvhOccluded1: what rtcIntersect1 and rtcOccluded1 give of a scene with the geometry
 // alone.
 #include <cmath>
+#include <cstring>
+#include <limits>
 #include <new>
 #include <stdexcept>
 #include <thread>
@@ -10,18 +12,42 @@
 namespace stbvh::test {
 namespace {
 
-/// Rays through both, of some masks; `hits` and misses there must be enough of.
-void expect_same_bits(const ScenePair& pair, std::uint32_t seed, unsigned count = 3000) {
+/// A ray with something of the application's behind it.
+struct SpacedRay {
+  RTCRayHit rayhit;
+  unsigned beside[4];
+};
+
+std::vector<SpacedRay> random_rays(std::uint32_t seed, unsigned count) {
   const unsigned masks[] = {0u, 1u, 2u, 6u, 0xFFFFFFFFu, 0xFFFFFFFFu};
   Random random(seed);
+  std::vector<SpacedRay> rays(count);
+  for (unsigned i = 0; i < count; ++i) {
+    rays[i] = {random_ray(random), {i, i, i, i}};
+    rays[i].rayhit.ray.mask = masks[random.below(6)];
+  }
+  return rays;
+}
+
+/// Rays through both, of some masks, one by one and many in a call; `hits` and misses there must be enough
+/// of.
+void expect_same_bits(const ScenePair& pair, std::uint32_t seed, unsigned count = 3000) {
+  const std::vector<SpacedRay> rays = random_rays(seed, count);
+  std::vector<SpacedRay> closest = rays, any = rays;
+  intersect_many(pair.geometry.get(), &closest[0].rayhit, count, sizeof(SpacedRay));
+  occluded_many(pair.geometry.get(), &any[0].rayhit.ray, count, sizeof(SpacedRay));
   unsigned hits = 0;
   for (unsigned i = 0; i < count; ++i) {
-    RTCRayHit ray = random_ray(random);
-    ray.ray.mask = masks[random.below(6)];
+    const RTCRayHit& ray = rays[i].rayhit;
     const RTCRayHit expected = intersect(pair.own.get(), ray);
     ASSERT_TRUE(same_bits(intersect_directly(pair.geometry.get(), ray), expected)) << i;
+    ASSERT_TRUE(same_bits(closest[i].rayhit, expected)) << i;
     const bool hit = expected.hit.geomID != RTC_INVALID_GEOMETRY_ID;
     ASSERT_EQ(is_occluded_directly(pair.geometry.get(), ray), hit) << i;
+    ASSERT_EQ(any[i].rayhit.ray.tfar, hit ? -std::numeric_limits<float>::infinity() : ray.ray.tfar) << i;
+    any[i].rayhit.ray.tfar = ray.ray.tfar;
+    ASSERT_EQ(std::memcmp(&any[i], &rays[i], sizeof(SpacedRay)), 0) << i;
+    ASSERT_EQ(std::memcmp(closest[i].beside, rays[i].beside, sizeof closest[i].beside), 0) << i;
     hits += hit;
   }
   EXPECT_GT(hits, count / 10);
@@ -41,6 +67,18 @@ TEST(PluginDirectQueries, GiveTheBitsOfEmbreesQueries) {
   expect_same_bits(scene_pair(device, mixed_meshes()), 1);
   expect_same_bits(scene_pair(device, {triangle_soup(4, 300, 1)}), 2);
   expect_same_bits(scene_pair(device, {triangle_soup(5, 300, 17)}), 3);
+}
+
+TEST(PluginDirectQueries, InFlight) {
+  const Device device = new_device();
+  std::vector<TestMesh> meshes = mixed_meshes();
+  meshes.push_back(large_mesh_far_away());
+  const ScenePair pair = scene_pair(device, meshes);
+  StbvhStatistics statistics;
+  stbvhInitStatistics(&statistics);
+  ASSERT_EQ(stbvhGetStatistics(pair.geometry.get(), &statistics), RTC_ERROR_NONE);
+  EXPECT_GT(statistics.structureBytes, 3u << 20);
+  expect_same_bits(pair, 12);
 }
 
 TEST(PluginDirectQueries, OfAnyPrecisionAndInlineShare) {
@@ -95,6 +133,8 @@ TEST(PluginDirectQueries, WithoutAContextRunTheMeshesFilters) {
   std::vector<TestMesh> meshes = mixed_meshes();
   for (TestMesh& mesh : meshes) mesh.intersect_filter = mesh.occluded_filter = keep_even_ones;
   expect_same_bits(scene_pair(device, meshes), 5);
+  meshes.push_back(large_mesh_far_away());
+  expect_same_bits(scene_pair(device, meshes), 13);
 }
 
 TEST(PluginDirectQueries, HitNothingBeforeTheFirstCommitAndAfterOneThatFailed) {
@@ -146,7 +186,7 @@ struct NoMemory : std::bad_alloc {
 TEST(PluginDirectQueries, WhatFiltersThrowBecomesTheDevicesError) {
   const Device device = new_device();
   for (const bool no_memory : {false, true}) {
-    std::vector<TestMesh> meshes{flat_triangle(0, 3)};
+    std::vector<TestMesh> meshes{flat_triangle(0, 3), large_mesh_far_away()};
     meshes[0].intersect_filter = meshes[0].occluded_filter =
         no_memory ? throw_one<NoMemory> : throw_one<std::runtime_error>;
     const OwnGeometry geometry = own_geometry(device, meshes);
@@ -157,7 +197,38 @@ TEST(PluginDirectQueries, WhatFiltersThrowBecomesTheDevicesError) {
     ray = ray_down(.1f, .1f, .5f);
     occluded_one(geometry.get(), ray.ray);
     EXPECT_EQ(rtcGetDeviceError(device.get()), expected);
+    std::vector<RTCRayHit> rays;
+    for (int i = 0; i < 20; ++i) rays.push_back(ray_down(.01f * static_cast<float>(i), .1f, .5f));
+    intersect_many(geometry.get(), rays.data(), rays.size(), sizeof(RTCRayHit));
+    EXPECT_EQ(rtcGetDeviceError(device.get()), expected);
   }
+}
+
+TEST(PluginDirectQueries, RefuseRaysThatCannotBe) {
+  const Device device = new_device();
+  std::vector<TestMesh> meshes{flat_triangle(0, 3)};
+  const OwnGeometry geometry = own_geometry(device, meshes);
+  const std::vector<RTCRayHit> before(4, ray_down(.1f, .1f, .5f));
+  std::vector<RTCRayHit> rays = before;
+  const auto expect = [&](RTCRayHit* first, std::size_t count, std::size_t stride, RTCError error) {
+    intersect_many(geometry.get(), first, count, stride);
+    EXPECT_EQ(rtcGetDeviceError(device.get()), error) << count << " rays, stride " << stride;
+    EXPECT_EQ(std::memcmp(rays.data(), before.data(), rays.size() * sizeof(RTCRayHit)), 0);
+    occluded_many(geometry.get(), first == nullptr ? nullptr : &first->ray, count,
+                  stride == sizeof(RTCRayHit) - 4 ? sizeof(RTCRay) - 4 : stride);
+    EXPECT_EQ(rtcGetDeviceError(device.get()), error) << count << " rays, stride " << stride;
+    EXPECT_EQ(std::memcmp(rays.data(), before.data(), rays.size() * sizeof(RTCRayHit)), 0);
+  };
+  expect(nullptr, 1, sizeof(RTCRayHit), RTC_ERROR_INVALID_ARGUMENT);
+  expect(rays.data(), 2, 0, RTC_ERROR_INVALID_ARGUMENT);
+  expect(rays.data(), 2, sizeof(RTCRayHit) - 4, RTC_ERROR_INVALID_ARGUMENT);
+  expect(rays.data(), 2, sizeof(RTCRayHit) + 2, RTC_ERROR_INVALID_ARGUMENT);
+  expect(nullptr, 0, 0, RTC_ERROR_NONE);
+  expect(rays.data(), 0, 0, RTC_ERROR_NONE);
+  intersect_many(StbvhGeometry{}, rays.data(), 1, sizeof(RTCRayHit));
+  EXPECT_EQ(rtcGetDeviceError(nullptr), RTC_ERROR_INVALID_ARGUMENT);
+  intersect_many(geometry.get(), rays.data(), 1, 0);  // of one ray there is none
+  EXPECT_EQ(rays[0].hit.geomID, 0u);
 }
 
 }  // namespace

@@ -310,6 +310,12 @@ TEST_F(PluginFilters, InPackets) {
   expect_same_filtered_packets(scene_pair(device_, meshes_), {.filter = reject_every_third});
 }
 
+TEST_F(PluginFilters, InPacketsInFlight) {
+  for (TestMesh& mesh : meshes_) mesh.intersect_filter = mesh.occluded_filter = reject_checkers;
+  meshes_.push_back(large_mesh_far_away());
+  expect_same_filtered_packets(scene_pair(device_, meshes_), {.filter = reject_every_third});
+}
+
 #if RTC_VERSION_MAJOR >= 4
 
 TEST_F(PluginFilters, OfTheQueryForThoseMeshesThatAskForIt) {

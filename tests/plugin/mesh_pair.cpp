@@ -29,6 +29,14 @@ TestMesh triangle_soup(std::uint32_t seed, unsigned triangles, unsigned step_cou
   return mesh;
 }
 
+TestMesh large_mesh_far_away() {
+  TestMesh mesh = triangle_soup(99, 12000, 5);
+  for (auto& step : mesh.steps) {
+    for (Position& p : step) p.x += 1e5f;
+  }
+  return mesh;
+}
+
 TestMesh flat_triangle(float z, unsigned step_count) {
   TestMesh mesh;
   mesh.indices = {0, 1, 2};

@@ -32,6 +32,9 @@ struct TestMesh {
 /// `triangles` separate triangles around [-1, 1]^3 whose corners wander from step to step.
 TestMesh triangle_soup(std::uint32_t seed, unsigned triangles, unsigned step_count);
 
+/// Where no ray of random_ray gets, and so large that the kernels trace what they get together in flight.
+TestMesh large_mesh_far_away();
+
 /// A single triangle that fills x, y in [-1, 1] at height z, without motion in `step_count` steps.
 TestMesh flat_triangle(float z, unsigned step_count = 1);
 

@@ -110,13 +110,16 @@ void expect_same_packets(const Device& device, const ScenePair& pair, const Quer
 
 TEST(PluginWidths, Packets) {
   const Device device = new_device();
-  const std::vector<TestMesh> meshes = meshes_of_all_kinds();
-  const ScenePair pair = scene_pair(device, meshes);
-  for (const bool coherent : {false, true}) {
-    const QueryOptions options{.coherent = coherent};
-    expect_same_packets<4>(device, pair, options);
-    expect_same_packets<8>(device, pair, options);
-    expect_same_packets<16>(device, pair, options);
+  for (const bool in_flight : {false, true}) {
+    std::vector<TestMesh> meshes = meshes_of_all_kinds();
+    if (in_flight) meshes.push_back(large_mesh_far_away());
+    const ScenePair pair = scene_pair(device, meshes);
+    for (const bool coherent : {false, true}) {
+      const QueryOptions options{.coherent = coherent};
+      expect_same_packets<4>(device, pair, options);
+      expect_same_packets<8>(device, pair, options);
+      expect_same_packets<16>(device, pair, options);
+    }
   }
 }
 

@@ -45,10 +45,10 @@
  * not written. A struct larger than the library's own is refused. Later versions append members, and change
  * none. The macros STBVH_VERSION... name the version of the header, stbvhGetVersion that of the library.
  *
- * Threads. Queries, by a scene or by stbvhIntersect1 and stbvhOccluded1, run on any number of threads at
- * once. Retain and release are atomic. All other functions on one handle are for one thread at a time, and,
- * like the last release, not while the geometry is queried or a scene that holds it is committed. Different
- * handles are independent.
+ * Threads. Queries, by a scene or by stbvhIntersect1, stbvhIntersectN and the like, run on any number of
+ * threads at once. Retain and release are atomic. All other functions on one handle are for one thread at a
+ * time, and, like the last release, not while the geometry is queried or a scene that holds it is committed.
+ * Different handles are independent.
  */
 #ifndef STBVH_EMBREE_H
 #define STBVH_EMBREE_H
@@ -341,6 +341,27 @@ STBVH_API void stbvhOccluded1(StbvhGeometry geometry, struct RTCRay* ray,
 #else
 STBVH_API void stbvhOccluded1(StbvhGeometry geometry, struct RTCIntersectContext* context,
                               struct RTCRay* ray);
+#endif
+
+/**
+ * The same for `count` rays, `byteStride` bytes apart, each with the bits of a query of its own. Where
+ * memory is waited for, several are in flight at once: others go on while that of one is on its way
+ * (docs/performance.md). The rays need not be alike, nor sorted; dozens or more in a call are best.
+ * Filters run on the calling thread, for one ray's candidates between those of others.
+ *
+ * RTC_ERROR_INVALID_ARGUMENT as the device's error, and nothing traced: rays null, or a stride that is too
+ * small or not a multiple of 4.
+ */
+#if RTC_VERSION_MAJOR >= 4
+STBVH_API void stbvhIntersectN(StbvhGeometry geometry, struct RTCRayHit* rayhits, size_t count,
+                               size_t byteStride, struct RTCIntersectArguments* arguments);
+STBVH_API void stbvhOccludedN(StbvhGeometry geometry, struct RTCRay* rays, size_t count, size_t byteStride,
+                              struct RTCOccludedArguments* arguments);
+#else
+STBVH_API void stbvhIntersectN(StbvhGeometry geometry, struct RTCIntersectContext* context,
+                               struct RTCRayHit* rayhits, size_t count, size_t byteStride);
+STBVH_API void stbvhOccludedN(StbvhGeometry geometry, struct RTCIntersectContext* context,
+                              struct RTCRay* rays, size_t count, size_t byteStride);
 #endif
 
 #if RTC_VERSION_MAJOR >= 4

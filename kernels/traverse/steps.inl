@@ -1,5 +1,5 @@
-/// The traversal: closest hit and any hit, with and without filter and counters. `Test` is how rays are
-/// tested against boxes and triangles: WatertightTest or FastTest.
+/// The steps of the traversal: a node's children, a leaf's triangles, and where to go from there. `Test` is
+/// how rays are tested against boxes and triangles: WatertightTest or FastTest.
 #pragma once
 
 #include <cstddef>
@@ -38,13 +38,43 @@ struct ChildHits {
   unsigned bits;
 };
 
-template <typename Test, typename PlaneAt>
-inline ChildHits intersect_children(const TraversalRay& ray, const PlaneAt& plane_at) {
+/// What the slabs take of a ray, in all lanes: a ray alone keeps it so.
+class KeptSlabs {
+ public:
+  explicit KeptSlabs(const TraversalRay& ray) {
+    for (int i = 0; i < 3; ++i) {
+      near_origin_[i] = splat(ray.near_origin[i]);
+      far_origin_[i] = splat(ray.far_origin[i]);
+      inverse_[i] = splat(ray.inverse[i]);
+    }
+  }
+  F32x8 near_origin(int i) const { return near_origin_[i]; }
+  F32x8 far_origin(int i) const { return far_origin_[i]; }
+  F32x8 inverse(int i) const { return inverse_[i]; }
+
+ private:
+  F32x8 near_origin_[3], far_origin_[3], inverse_[3];
+};
+
+/// The same, made where it is taken: of several rays in flight all would not stay in the nearest cache.
+class BroadcastSlabs {
+ public:
+  explicit BroadcastSlabs(const TraversalRay& ray) : ray_(ray) {}
+  F32x8 near_origin(int i) const { return splat(ray_.near_origin[i]); }
+  F32x8 far_origin(int i) const { return splat(ray_.far_origin[i]); }
+  F32x8 inverse(int i) const { return splat(ray_.inverse[i]); }
+
+ private:
+  const TraversalRay& ray_;
+};
+
+template <typename Test, typename Slabs, typename PlaneAt>
+inline ChildHits intersect_children(const TraversalRay& ray, const Slabs& slabs, const PlaneAt& plane_at) {
   const auto near_at = [&](int i) {
-    return Test::slab(plane_at(ray.planes->near[i]), ray.near_origin[i], ray.inverse[i]);
+    return Test::slab(plane_at(ray.planes->near[i]), slabs.near_origin(i), slabs.inverse(i));
   };
   const auto far_at = [&](int i) {
-    return Test::slab(plane_at(ray.planes->far[i]), ray.far_origin[i], ray.inverse[i]);
+    return Test::slab(plane_at(ray.planes->far[i]), slabs.far_origin(i), slabs.inverse(i));
   };
   const F32x8 entry = max(max(near_at(0), near_at(1)), max(near_at(2), splat(ray.s_near)));
   const F32x8 exit = min(min(far_at(0), far_at(1)), min(far_at(2), splat(ray.s_far)));
@@ -62,45 +92,47 @@ inline F32x8 moving_plane(const void* node, std::uint32_t offset, F32x8 elapsed)
   return multiply_add(elapsed, load(slope), load(begin));
 }
 
-template <typename Test>
-inline ChildHits intersect_node(const TraversalRay& ray, const StaticNode& node) {
-  return intersect_children<Test>(ray, [&](std::uint32_t offset) { return load(plane(&node, offset)); });
+template <typename Test, typename Slabs>
+inline ChildHits intersect_node(const TraversalRay& ray, const Slabs& slabs, const StaticNode& node) {
+  return intersect_children<Test>(ray, slabs,
+                                  [&](std::uint32_t offset) { return load(plane(&node, offset)); });
 }
 
-template <typename Test>
-inline ChildHits intersect_node(const TraversalRay& ray, const LinearNode& node) {
+template <typename Test, typename Slabs>
+inline ChildHits intersect_node(const TraversalRay& ray, const Slabs& slabs, const LinearNode& node) {
   const F32x8 elapsed = splat(ray.time - node.time_begin);
-  return intersect_children<Test>(ray,
+  return intersect_children<Test>(ray, slabs,
                                   [&](std::uint32_t offset) { return moving_plane(&node, offset, elapsed); });
 }
 
-template <typename Test>
-inline ChildHits intersect_node(const TraversalRay& ray, const SpatialTemporalNode& node) {
+template <typename Test, typename Slabs>
+inline ChildHits intersect_node(const TraversalRay& ray, const Slabs& slabs,
+                                const SpatialTemporalNode& node) {
   const F32x8 time = splat(ray.time);
   const F32x8 begin = load(node.time_begin);
   const F32x8 elapsed = time - begin;
   ChildHits hits = intersect_children<Test>(
-      ray, [&](std::uint32_t offset) { return moving_plane(&node, offset, elapsed); });
+      ray, slabs, [&](std::uint32_t offset) { return moving_plane(&node, offset, elapsed); });
   hits.bits &= less_equal(begin, time).bits & less_equal(time, load(node.time_last)).bits;
   return hits;
 }
 
-template <typename Test>
-inline ChildHits intersect_any_node(const TraversalRay& ray, LinkKind kind, const std::byte* data,
-                                    const Link*& children) {
+template <typename Test, typename Slabs>
+inline ChildHits intersect_any_node(const TraversalRay& ray, const Slabs& slabs, LinkKind kind,
+                                    const std::byte* data, const Link*& children) {
   if (kind == LinkKind::kLinearNode) {
     const auto& node = *reinterpret_cast<const LinearNode*>(data);
     children = node.children;
-    return intersect_node<Test>(ray, node);
+    return intersect_node<Test>(ray, slabs, node);
   }
   if (kind == LinkKind::kStaticNode) {
     const auto& node = *reinterpret_cast<const StaticNode*>(data);
     children = node.children;
-    return intersect_node<Test>(ray, node);
+    return intersect_node<Test>(ray, slabs, node);
   }
   const auto& node = *reinterpret_cast<const SpatialTemporalNode*>(data);
   children = node.children;
-  return intersect_node<Test>(ray, node);
+  return intersect_node<Test>(ray, slabs, node);
 }
 
 /// Tests a leaf. True: traversal may end (any hit found).
@@ -144,20 +176,12 @@ inline const std::byte* address(const StructureView& structure, Link link) {
   return structure.data + std::size_t{link & kLinkOffsetMask} * kUnitBytes;
 }
 
-/// Traversal waits for memory most of the time. All lines of a node are asked for at once, as soon as it is
-/// known that it comes next, or after next; once each: instructions count too (docs/performance.md).
+/// All lines of what `link` leads to are asked for at once, `kBytes` from its start: once each, instructions
+/// count too (docs/performance.md).
 template <std::size_t kBytes>
 inline void prefetch(const StructureView& structure, Link link) {
   const std::byte* data = address(structure, link);
   for (std::size_t line = 0; line < kBytes; line += 64) __builtin_prefetch(data + line);
-}
-
-/// Of what comes next also the later steps of a long leaf, or the start of the child that stands behind it.
-inline void prefetch_next(const StructureView& structure, Link link) {
-  prefetch<640>(structure, link);
-}
-inline void prefetch_after_next(const StructureView& structure, Link link) {
-  prefetch<sizeof(LinearNode)>(structure, link);
 }
 
 /// For closest hits: the nearest of the children met; the others are pushed, the nearer the higher.
@@ -189,99 +213,98 @@ inline Link take_first(Siblings& siblings) {
   return first;
 }
 
-template <typename Test, bool kFiltered, bool kCounted>
-bool find_closest_hit(const StructureView& structure, const Query& query) {
-  TraversalRay ray;
-  if (structure.empty || !setup_ray<Test>(structure, query.ray, ray)) return false;
-  StackEntry stack[7 * kMaxLevels + 1];  // each level leaves at most seven siblings behind
-  StackEntry* top = stack;
-  StackEntry entry{structure.root, ray.s_near};
-  bool found = false;
-  for (;;) {
+/// How far a query for the closest hit has come, beside its stack and what was found.
+struct ClosestHitCursor {
+  static constexpr std::size_t kStack =
+      7 * kMaxLevels + 1;  // each level leaves at most seven siblings behind
+  using Entry = StackEntry;
+
+  StackEntry entry;  ///< comes next
+  StackEntry* top;   ///< of the stack: the others, the nearer the higher
+  bool found;
+
+  void start(const StructureView& structure, const TraversalRay& ray, StackEntry* stack) {
+    entry = {structure.root, ray.s_near};
+    top = stack;
+    found = false;
+  }
+
+  /// Does what comes next. False: nothing is left.
+  template <typename Test, bool kFiltered, bool kCounted, typename Prefetch, typename Slabs>
+  bool step(const StructureView& structure, const Query& query, TraversalRay& ray, const Slabs& slabs,
+            StackEntry* stack) {
     const std::byte* data = address(structure, entry.link);
     const auto kind = static_cast<LinkKind>(entry.link >> kLinkKindShift);
     if (kind != LinkKind::kLeaf) {
       if (kCounted) ++query.counters->nodes;
       const Link* children = nullptr;
-      const ChildHits hits = intersect_any_node<Test>(ray, kind, data, children);
+      const ChildHits hits = intersect_any_node<Test>(ray, slabs, kind, data, children);
       if (hits.bits != 0) {
         entry = nearest_child(hits, children, top);
-        prefetch_next(structure, entry.link);
-        if (top != stack) prefetch_after_next(structure, top[-1].link);
-        continue;
+        Prefetch::next(structure, entry.link);
+        if (top != stack) Prefetch::after_next(structure, top[-1].link);
+        return true;
       }
     } else {
       const auto& leaf = *reinterpret_cast<const LeafHeader*>(data);
       test_leaf<Test, false, kFiltered, kCounted>(structure, ray, leaf, query, found);
     }
     do {
-      if (top == stack) return found;
+      if (top == stack) return false;
       entry = *--top;
     } while (entry.s > ray.s_far);
-    if (top != stack) prefetch_after_next(structure, top[-1].link);
+    Prefetch::popped(structure, entry.link);
+    if (top != stack) Prefetch::after_next(structure, top[-1].link);
+    return true;
   }
-}
+};
 
-/// Children are visited in the encoder's order: what is large and decides soon comes first. Sorting them by
-/// distance would cost more than it saves (docs/performance.md).
-template <typename Test, bool kFiltered, bool kCounted>
-bool find_any_hit(const StructureView& structure, const Query& query) {
-  TraversalRay ray;
-  if (structure.empty || !setup_ray<Test>(structure, query.ray, ray)) return false;
-  Siblings stack[kMaxLevels + 1];
-  Siblings* top = stack;
-  Link link = structure.root;
-  bool found = false;
-  for (;;) {
+/// The same of a query for any hit. Children are visited in the encoder's order: what is large and decides
+/// soon comes first. Sorting them by distance would cost more than it saves (docs/performance.md).
+struct AnyHitCursor {
+  static constexpr std::size_t kStack = kMaxLevels + 1;
+  using Entry = Siblings;
+
+  Link link;      ///< comes next
+  Siblings* top;  ///< of the stack
+  bool found;
+
+  void start(const StructureView& structure, const TraversalRay&, Siblings* stack) {
+    link = structure.root;
+    top = stack;
+    found = false;
+  }
+
+  template <typename Test, bool kFiltered, bool kCounted, typename Prefetch, typename Slabs>
+  bool step(const StructureView& structure, const Query& query, TraversalRay& ray, const Slabs& slabs,
+            Siblings* stack) {
     const std::byte* data = address(structure, link);
     const auto kind = static_cast<LinkKind>(link >> kLinkKindShift);
     if (kind != LinkKind::kLeaf) {
       if (kCounted) ++query.counters->nodes;
       Siblings met;
-      met.bits = intersect_any_node<Test>(ray, kind, data, met.children).bits;
+      met.bits = intersect_any_node<Test>(ray, slabs, kind, data, met.children).bits;
       if (met.bits != 0) {
         link = take_first(met);
-        prefetch_next(structure, link);
-        if (met.bits != 0) prefetch_after_next(structure, first_of(met));
+        Prefetch::next(structure, link);
+        if (met.bits != 0) Prefetch::after_next(structure, first_of(met));
         *top = met;
         top += met.bits != 0;
-        continue;
+        return true;
       }
     } else {
       const auto& leaf = *reinterpret_cast<const LeafHeader*>(data);
-      if (test_leaf<Test, true, kFiltered, kCounted>(structure, ray, leaf, query, found)) return true;
+      if (test_leaf<Test, true, kFiltered, kCounted>(structure, ray, leaf, query, found)) return false;
     }
-    if (top == stack) return found;
+    if (top == stack) return false;
     Siblings& next = top[-1];
     link = take_first(next);
-    if (next.bits != 0) prefetch_after_next(structure, first_of(next));
+    Prefetch::popped(structure, link);
+    if (next.bits != 0) Prefetch::after_next(structure, first_of(next));
     top -= next.bits == 0;
+    return true;
   }
-}
-
-template <typename Test>
-constexpr KernelTable make_kernel_table() {
-  return {
-      [](const StructureView& s, const Ray& ray, Hit& hit) {
-        return find_closest_hit<Test, false, false>(s, {ray, &hit, nullptr, nullptr});
-      },
-      [](const StructureView& s, const Ray& ray, Hit& hit, const HitFilter& filter) {
-        return find_closest_hit<Test, true, false>(s, {ray, &hit, &filter, nullptr});
-      },
-      [](const StructureView& s, const Ray& ray, Hit& hit, TraversalCounters& counters) {
-        return find_closest_hit<Test, false, true>(s, {ray, &hit, nullptr, &counters});
-      },
-      [](const StructureView& s, const Ray& ray) {
-        return find_any_hit<Test, false, false>(s, {ray, nullptr, nullptr, nullptr});
-      },
-      [](const StructureView& s, const Ray& ray, const HitFilter& filter) {
-        return find_any_hit<Test, true, false>(s, {ray, nullptr, &filter, nullptr});
-      },
-      [](const StructureView& s, const Ray& ray, TraversalCounters& counters) {
-        return find_any_hit<Test, false, true>(s, {ray, nullptr, nullptr, &counters});
-      },
-  };
-}
+};
 
 }  // namespace
 }  // namespace stbvh
