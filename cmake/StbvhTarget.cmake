@@ -13,7 +13,7 @@ function(stbvh_target name)
   if(STBVH_SANITIZE)
     # gcc loses track of what is initialised in what it instruments: std::regex alone gets five such warnings.
     target_compile_options(${name} PRIVATE -fsanitize=${STBVH_SANITIZE} -fno-omit-frame-pointer
-      -fno-sanitize-recover=all -Wno-maybe-uninitialized)
+      -fno-sanitize-recover=all $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
     target_link_options(${name} PUBLIC -fsanitize=${STBVH_SANITIZE})
   endif()
   get_target_property(type ${name} TYPE)

@@ -60,9 +60,9 @@ class Block {
 
 /// Rays from one point, such as a camera's, meet the same nodes one after another.
 bool come_from_one_point(const RayBatch& batch) {
-  const Vec3f first = batch.ray(0).origin;
+  const Vec3f first = ray_at(batch, 0).origin;
   const auto is_there = [&](std::size_t i) {
-    const Vec3f origin = batch.ray(i).origin;
+    const Vec3f origin = ray_at(batch, i).origin;
     return origin.x == first.x && origin.y == first.y && origin.z == first.z;
   };
   return is_there(1) && is_there(batch.count / 2) && is_there(batch.count - 1);
@@ -71,8 +71,9 @@ bool come_from_one_point(const RayBatch& batch) {
 template <typename Trace>
 void one_by_one(const RayBatch& batch, const Trace& trace) {
   for (std::size_t i = 0; i < batch.count; ++i) {
+    const Ray& ray = ray_at(batch, i);
     Hit hit;
-    if (trace(batch.ray(i), hit) && batch.report != nullptr) batch.report(batch.user, batch.ray(i), hit);
+    if (trace(ray, hit) && batch.report != nullptr) batch.report(batch.user, ray, hit);
   }
 }
 
@@ -226,10 +227,6 @@ class StructureImpl final : public Structure {
   StructureView view_{};
   BuildStatistics statistics_;
 };
-
-}  // namespace
-
-namespace {
 
 /// Rays side by side, and as many answers.
 template <typename Answer>

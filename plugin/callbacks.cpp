@@ -98,8 +98,8 @@ template <typename Query>
   unsigned indices[kMaxPacket];
   packet.copies = copies;
   packet.indices = indices;
-  for (unsigned i = 0;
-       i < packet.size;) {  // once around, unless a program makes up larger packets than Embree
+  unsigned i = 0;
+  while (i < packet.size) {  // once, unless a program makes up larger packets than Embree
     unsigned count = 0;
     for (; i < packet.size && count < kMaxPacket; ++i) {
       if (valid[i] == 0) continue;

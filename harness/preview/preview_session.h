@@ -57,11 +57,11 @@ class PreviewSession {
   void with_picture(PictureWork work);
 
  private:
-  void deliver(const BuiltPair& structures, bool is_last);
-  void wait_for_first_picture(std::unique_lock<std::mutex>& lock);
   struct NotStarted {};
   PreviewSession(unsigned threads, std::size_t most_samples, OnNews on_news, NotStarted);
 
+  void deliver(const BuiltPair& structures, bool is_last);
+  void wait_for_first_picture(std::unique_lock<std::mutex>& lock);
   void tell() const;
   void render();
   void change();

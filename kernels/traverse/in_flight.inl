@@ -47,11 +47,6 @@ struct Flight {
   }
 };
 
-/// As RayBatch::ray(), whose code must not be this instruction set's.
-inline const Ray& ray_at(const RayBatch& batch, std::size_t i) {
-  return *reinterpret_cast<const Ray*>(static_cast<const std::byte*>(batch.rays) + batch.stride * i);
-}
-
 template <typename Test, typename Cursor, bool kFiltered>
 [[gnu::flatten]] void trace_in_flight(const StructureView& structure, const RayBatch& batch) {
   Flight<Cursor> places[kRaysInFlight];

@@ -1,10 +1,17 @@
 /// The entry points of one instruction set.
 #pragma once
 
+#include <cstddef>
+
 #include "layout/layout.h"
 #include "stbvh/structure.h"
 
 namespace stbvh {
+
+/// Ray `i` of `batch`. Internal linkage on purpose: this is compiled for several instruction sets.
+static inline const Ray& ray_at(const RayBatch& batch, std::size_t i) {
+  return *reinterpret_cast<const Ray*>(static_cast<const std::byte*>(batch.rays) + batch.stride * i);
+}
 
 /// Closest hit and any hit, plain, with a filter, counted, and of many rays in flight. `hit` is written only
 /// on a hit.

@@ -56,7 +56,8 @@ class KeptSlabs {
   F32x8 near_origin_[3], far_origin_[3], inverse_[3];
 };
 
-/// The same, made where it is taken: of several rays in flight all would not stay in the nearest cache.
+/// The same, made where it is taken: for rays in flight, which have no registers of their own, a tenth faster
+/// than all lanes in memory (docs/performance.md).
 class BroadcastSlabs {
  public:
   explicit BroadcastSlabs(const TraversalRay& ray) : ray_(ray) {}
@@ -213,7 +214,7 @@ inline Link take_first(Siblings& siblings) {
   return first;
 }
 
-/// How far a query for the closest hit has come, beside its stack and what was found.
+/// How far a query for the closest hit has come; its stack and the hit stand elsewhere.
 struct ClosestHitCursor {
   static constexpr std::size_t kStack =
       7 * kMaxLevels + 1;  // each level leaves at most seven siblings behind

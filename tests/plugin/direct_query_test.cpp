@@ -29,8 +29,7 @@ std::vector<SpacedRay> random_rays(std::uint32_t seed, unsigned count) {
   return rays;
 }
 
-/// Rays through both, of some masks, one by one and many in a call; `hits` and misses there must be enough
-/// of.
+/// Rays of some masks through both, one by one and many in a call; there must be hits and misses enough.
 void expect_same_bits(const ScenePair& pair, std::uint32_t seed, unsigned count = 3000) {
   const std::vector<SpacedRay> rays = random_rays(seed, count);
   std::vector<SpacedRay> closest = rays, any = rays;

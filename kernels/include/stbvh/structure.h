@@ -111,8 +111,8 @@ struct HitFilter {
 };
 
 /// Many rays for one query, `stride` bytes apart, and who is told of those that hit something: `report`, with
-/// the ray where it stands and its closest hit (of any-hit queries nothing is in `hit`), in no order. The ray
-/// is not read afterwards.
+/// the ray where it stands and its closest hit (of any-hit queries `hit` is not initialised), in no order.
+/// The ray is not read afterwards.
 struct RayBatch {
   const void* rays;
   std::size_t stride;
@@ -120,10 +120,6 @@ struct RayBatch {
   void (*report)(void* user, const Ray& ray, const Hit& hit);  ///< null: nobody
   void* user;
   const HitFilter* filter = nullptr;
-
-  const Ray& ray(std::size_t i) const {
-    return *reinterpret_cast<const Ray*>(static_cast<const std::byte*>(rays) + stride * i);
-  }
 };
 
 /// What a traversal met, for reports; counted in a template of its own. Leaves are those whose triangles were
@@ -151,10 +147,10 @@ class Structure {
   /// Whether anything is hit in (tnear, tfar].
   virtual bool occluded(const Ray& ray, const HitFilter* filter = nullptr) const = 0;
 
-  /// The same for many rays on the calling thread, with the same bits. Where
-  /// memory is waited for, several are in flight at once: others go on while that of one is on its way
-  /// (docs/performance.md). They need not be alike, nor sorted.
-  /// `hits` and `occluded` have the length of `rays`; without a hit geom_id is kInvalidId.
+  /// The same for many rays on the calling thread, with the same bits. Where memory is waited for, several
+  /// are in flight at once: others go on while that of one is on its way (docs/performance.md). They need not
+  /// be alike, nor sorted. `hits` and `occluded` have the length of `rays`; without a hit geom_id is
+  /// kInvalidId.
   void intersect(std::span<const Ray> rays, std::span<Hit> hits, const HitFilter* filter = nullptr) const;
   void occluded(std::span<const Ray> rays, std::span<bool> occluded, const HitFilter* filter = nullptr) const;
   virtual void intersect(const RayBatch& batch) const = 0;
