@@ -92,10 +92,14 @@ void TrackedScene::build_group(const Plan& plan, CommitTurns::Turn& turn) {
 
 /// The user geometry stays attached here too, for Embree's build may fail, but it is switched off.
 TrackedScene::Next TrackedScene::give_all_to_embree() {
-  if (!has_group()) return Next::kForward;
-  group_->clear();
-  group_->set_enabled(false);
+  const bool had_group = has_group();
+  if (had_group) {
+    group_->clear();
+    group_->set_enabled(false);
+  }
   const std::lock_guard lock(mutex_);
+  is_clean_ = false;
+  if (!had_group) return Next::kForward;
   has_group_ = false;
   contents_.clear();
   return Next::kForward;
@@ -167,17 +171,24 @@ void TrackedScene::say(const Plan& plan) const {
                static_cast<const void*>(handle_), plan.members.size(), left.c_str());
 }
 
+/// Embree takes a scene with a switched-off geometry for modified at every commit, so a thread that joins
+/// when the others are done builds it again. Nobody returns from here, to trace rays, while another may do
+/// that.
 void TrackedScene::forward(bool join) {
   const ErrorWatch watch;
-  {
-    const std::lock_guard lock(mutex_);
-    if (forwarding_++ == 0) has_failed_ = false;
-  }
+  std::unique_lock lock(mutex_);
+  if (is_clean_) return;  // what this thread prepared another has had built
+  if (forwarding_++ == 0) has_failed_ = false;
+  lock.unlock();
   join ? real().rtcJoinCommitScene(handle_) : real().rtcCommitScene(handle_);
-  const std::lock_guard lock(mutex_);
+  lock.lock();
   has_failed_ |= watch.failed();
-  is_clean_ = --forwarding_ == 0 && !has_failed_;
   commits_ = unique_number();
+  if (--forwarding_ == 0) {
+    is_clean_ = !has_failed_;
+    forwarded_.notify_all();
+  }
+  forwarded_.wait(lock, [&] { return forwarding_ == 0; });
 }
 
 void TrackedScene::commit(bool join) {

@@ -1,6 +1,7 @@
 /// A scene of the application, and what of it our structure answers.
 #pragma once
 
+#include <condition_variable>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -109,6 +110,7 @@ class TrackedScene {
   bool is_clean_ = false;                ///< Embree has built `contents_`
   unsigned forwarding_ = 0;              ///< threads in Embree's commit; it tells one of them of a failure
   bool has_failed_ = false;
+  std::condition_variable forwarded_;  ///< no thread is in Embree's commit
 
   CommitTurns turns_;
   std::unique_ptr<Group> group_;  ///< changed by who has the turn

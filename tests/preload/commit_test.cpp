@@ -69,6 +69,40 @@ TEST(PreloadCommit, JoinedBySeveralThreads) {
   }
 }
 
+/// Embree takes a scene with a switched-off mesh for modified at every commit, so a late thread would build
+/// again.
+TEST(PreloadCommit, BuildsNothingAfterOneOfItsThreadsHasReturned) {
+  const std::vector<Mesh> meshes{triangle_soup(1, 20, 3), triangle_soup(2, 20, 1)};
+  Watched watched;
+  const RTCScene scene = scene_of(watched.device, meshes);
+  struct {
+    std::atomic<bool> has_returned = false;
+    std::atomic<int> late_calls = 0;
+  } seen;
+  ours().rtcSetSceneProgressMonitorFunction(
+      scene,
+      [](void* user, double) {
+        auto& now = *static_cast<decltype(seen)*>(user);
+        if (now.has_returned) ++now.late_calls;
+        return true;
+      },
+      &seen);
+  for (int round = 0; round < 500; ++round) {
+    seen.has_returned = false;
+    std::vector<std::thread> threads;
+    for (int i = 0; i < 4; ++i) {
+      threads.emplace_back([&] {
+        ours().rtcJoinCommitScene(scene);
+        seen.has_returned = true;
+      });
+    }
+    for (std::thread& thread : threads) thread.join();
+    ours().rtcCommitGeometry(ours().rtcGetGeometry(scene, 0));
+  }
+  EXPECT_EQ(seen.late_calls, 0);
+  ours().rtcReleaseScene(scene);
+}
+
 TEST(PreloadCommit, JoinedByTasksOfTheApplication) {
   const std::vector<Mesh> meshes{triangle_soup(1, 4000, 5), triangle_soup(2, 4000, 3)};
   Twice twice;
