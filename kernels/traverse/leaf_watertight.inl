@@ -218,7 +218,8 @@ struct WatertightTest : PaddedSlabs {
     const double wa = c.x * b.y - c.y * b.x;
     const double wb = a.x * c.y - a.y * c.x;
     const double wc = b.x * a.y - b.y * a.x;
-    if ((wa < 0.0 || wb < 0.0 || wc < 0.0) && (wa > 0.0 || wb > 0.0 || wc > 0.0)) return false;
+    // One branch: which sign it is cannot be predicted.
+    if (least(least(wa, wb), wc) < 0.0 && greatest(greatest(wa, wb), wc) > 0.0) return false;
     const double det = wa + wb + wc;
     if (det == 0.0) return false;
     const double inverse = 1.0 / det;
@@ -241,12 +242,15 @@ struct WatertightTest : PaddedSlabs {
   static Vec3f normal(const TraversalRay& ray, const LeafHeader& leaf, const Candidates& s, unsigned i) {
     const std::uint8_t a = leaf.corners[0][i], b = leaf.corners[1][i], c = leaf.corners[2][i];
     float e1[3], e2[3];
-    const int order[3] = {ray.kx, ray.ky, ray.kz};
     for (int k = 0; k < 3; ++k) {
-      e1[order[k]] = s.axis[k][b] - s.axis[k][a];
-      e2[order[k]] = s.axis[k][c] - s.axis[k][a];
+      e1[k] = s.axis[k][b] - s.axis[k][a];
+      e2[k] = s.axis[k][c] - s.axis[k][a];
     }
-    return {e1[1] * e2[2] - e1[2] * e2[1], e1[2] * e2[0] - e1[0] * e2[2], e1[0] * e2[1] - e1[1] * e2[0]};
+    float n[3];  // kx, ky, kz is a rotation of x, y, z
+    n[ray.kx] = e1[1] * e2[2] - e1[2] * e2[1];
+    n[ray.ky] = e1[2] * e2[0] - e1[0] * e2[2];
+    n[ray.kz] = e1[0] * e2[1] - e1[1] * e2[0];
+    return {n[0], n[1], n[2]};
   }
 };
 
