@@ -37,6 +37,22 @@ const char* problem_of_step(const VertexBufferView& step) {
   return fits ? nullptr : "has vertices that reach beyond the end of memory";
 }
 
+const char* problem_of_times(const MeshView& mesh) {
+  if (mesh.steps.size() == 1) return nullptr;
+  if (mesh.step_times.empty()) {
+    return is_usable(mesh.time_range)
+               ? nullptr
+               : "has a time range that is empty, not finite, or shorter than 1.18e-38";
+  }
+  if (mesh.step_times.size() != mesh.steps.size()) return "has not one time for each step";
+  for (std::size_t step = 1; step < mesh.step_times.size(); ++step) {
+    if (!is_usable({mesh.step_times[step - 1], mesh.step_times[step]}))
+      return "has step times that are not finite, or do not increase by 1.18e-38 or more";
+  }
+  return is_usable({mesh.step_times.front(), mesh.step_times.back()}) ? nullptr
+                                                                      : "has step times too far apart";
+}
+
 }  // namespace
 
 bool is_usable(const TimeRange& range) {
@@ -47,16 +63,13 @@ bool is_usable(const TimeRange& range) {
 
 const char* problem_of(const MeshView& mesh) {
   if (mesh.steps.empty()) return "has no steps";
-  if (mesh.steps.size() > kMaxSteps) return "has more than 129 steps";
+  if (mesh.steps.size() > kMaxSteps) return "has more than 4096 steps";
   if (const char* const problem = problem_of_indices(mesh)) return problem;
   for (const VertexBufferView& step : mesh.steps) {
     if (step.count != mesh.steps[0].count) return "has steps of different vertex counts";
     if (const char* const problem = problem_of_step(step)) return problem;
   }
-  if (mesh.steps.size() > 1 && !is_usable(mesh.time_range)) {
-    return "has a time range that is empty, not finite, or shorter than 1.18e-38";
-  }
-  return nullptr;
+  return problem_of_times(mesh);
 }
 
 }  // namespace stbvh

@@ -196,13 +196,20 @@ class StructureImpl final : public Structure {
   }
 
   void make_mesh_table(const BuildContext& context) {
-    std::size_t steps = 0;
-    for (const BuildMesh& mesh : context.meshes) steps += mesh.view().steps.size();
-    step_views_.reserve(steps);
+    std::size_t steps = 0, times = 0;
     for (const BuildMesh& mesh : context.meshes) {
+      steps += mesh.view().steps.size();
+      times += mesh.view().step_times.size();
+    }
+    step_views_.reserve(steps);
+    step_times_.reserve(times);
+    for (const BuildMesh& mesh : context.meshes) {
+      const MeshView& view = mesh.view();
       const VertexBufferView* first = step_views_.data() + step_views_.size();
-      step_views_.insert(step_views_.end(), mesh.view().steps.begin(), mesh.view().steps.end());
-      mesh_records_.push_back({mesh.grid(), mesh.view().mask, mesh.view().geom_id, first});
+      const float* first_time = step_times_.data() + step_times_.size();
+      step_views_.insert(step_views_.end(), view.steps.begin(), view.steps.end());
+      step_times_.insert(step_times_.end(), view.step_times.begin(), view.step_times.end());
+      mesh_records_.push_back({mesh.grid(), view.mask, view.geom_id, first, first_time});
     }
   }
 
@@ -213,7 +220,13 @@ class StructureImpl final : public Structure {
     statistics_.temporal_splits = tree.temporal_splits();
     encoder.add_statistics(statistics_);
     statistics_.structure_bytes = block_.bytes() + sizeof *this + mesh_records_.size() * sizeof(MeshRecord) +
-                                  step_views_.size() * sizeof(VertexBufferView);
+                                  step_views_.size() * sizeof(VertexBufferView) +
+                                  step_times_.size() * sizeof(float);
+    statistics_.steps_kept = step_views_.size();
+    for (const BuildMesh& mesh : context.meshes) {
+      statistics_.steps_given += mesh.steps_given();
+      statistics_.max_deviation = std::max(statistics_.max_deviation, mesh.deviation());
+    }
     statistics_.peak_bytes =
         std::max(context.memory.peak(), context.memory.current() + statistics_.structure_bytes);
   }
@@ -223,6 +236,7 @@ class StructureImpl final : public Structure {
   Block block_;
   std::vector<MeshRecord> mesh_records_;
   std::vector<VertexBufferView> step_views_;
+  std::vector<float> step_times_;
   std::vector<RootBounds> root_bounds_;
   StructureView view_{};
   BuildStatistics statistics_;
@@ -268,12 +282,14 @@ std::unique_ptr<Structure> Structure::build(std::span<const MeshView> meshes, co
     BuildContext context(callbacks);
     context.settings = settings;
     context.meshes.reserve(meshes.size());
-    for (std::size_t i = 0; i < meshes.size(); ++i) context.meshes.emplace_back(meshes[i], i);
+    for (std::size_t i = 0; i < meshes.size(); ++i)
+      context.meshes.emplace_back(meshes[i], i, settings.tolerance);
     context.progress.start();
     BinaryTree tree(context);
     tree.build();
     for (std::size_t i = 0; callbacks.step_bounds && i < meshes.size(); ++i) {
-      callbacks.step_bounds(i, step_bounds(context.meshes[i], context.meshlets[i].meshlets()));
+      const BuildMesh& mesh = context.meshes[i];
+      callbacks.step_bounds(i, step_bounds(mesh, context.meshlets[i].meshlets()), mesh.view().step_times);
     }
     const Encoder encoder(context, tree);
     structure = std::make_unique<StructureImpl>(context, callbacks, tree, encoder);

@@ -1,5 +1,6 @@
 /// The C functions: argument checks, reference counts, and exceptions turned into error codes.
 #include <atomic>
+#include <cmath>
 #include <cstddef>
 #include <exception>
 #include <new>
@@ -205,6 +206,16 @@ RTCError stbvhSetGeometryInlineShare(StbvhGeometry geometry, float share) {
   });
 }
 
+RTCError stbvhSetGeometryTolerance(StbvhGeometry geometry, float tolerance) {
+  return guarded(geometry, [&](stbvh::plugin::Geometry& g) {
+    if (!(tolerance >= 0.0f && std::isfinite(tolerance)) && tolerance != STBVH_KEEP_ALL_STEPS) {
+      throw ApiError(RTC_ERROR_INVALID_ARGUMENT,
+                     "tolerance is neither finite and at least 0, nor STBVH_KEEP_ALL_STEPS");
+    }
+    g.set_tolerance(tolerance);
+  });
+}
+
 RTCError stbvhSetGeometryProgressFunction(StbvhGeometry geometry, RTCProgressMonitorFunction progress,
                                           void* userPtr) {
   return guarded(geometry, [&](stbvh::plugin::Geometry& g) { g.set_progress(progress, userPtr); });
@@ -278,7 +289,10 @@ RTCError stbvhGetStatistics(StbvhGeometry geometry, StbvhStatistics* statistics)
                                  .invalidTriangles = values.invalid_triangles,
                                  .primitiveSegments = values.primitive_segments,
                                  .structureBytes = values.structure_bytes,
-                                 .peakBytes = values.peak_bytes};
+                                 .peakBytes = values.peak_bytes,
+                                 .stepsGiven = values.steps_given,
+                                 .stepsKept = values.steps_kept,
+                                 .maxDeviation = values.max_deviation};
     stbvh::plugin::write_versioned(statistics, result, kFirstStatisticsSize, "statistics");
   });
 }

@@ -28,6 +28,7 @@ class Geometry {
   void set_mesh(std::size_t index, MeshDescription mesh);
   void set_precision(Precision precision);
   void set_inline_share(float share);
+  void set_tolerance(float tolerance);
   void set_progress(RTCProgressMonitorFunction progress, void* user_ptr);
 
   /// Builds the tree and commits the RTCGeometry. On an exception the geometry is empty, and committed so.

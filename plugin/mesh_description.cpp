@@ -30,10 +30,7 @@ void check_indices(const StbvhMeshArguments& arguments) {
   if (arguments.triangleCount > UINT32_MAX) refuse("triangleCount must fit into 32 bits");
 }
 
-void check_steps(const StbvhMeshArguments& arguments) {
-  if (arguments.stepCount < 1 || arguments.stepCount > STBVH_MAX_STEP_COUNT) {
-    refuse("stepCount must be 1 to 129, not " + std::to_string(arguments.stepCount));
-  }
+void check_time_range(const StbvhMeshArguments& arguments) {
   if (!std::isfinite(arguments.startTime) || !std::isfinite(arguments.endTime)) {
     refuse("startTime and endTime must be finite");
   }
@@ -41,6 +38,15 @@ void check_steps(const StbvhMeshArguments& arguments) {
   if (!std::isfinite(arguments.endTime - arguments.startTime)) {
     refuse("the time range is too long for a float");
   }
+}
+
+void check_steps(const StbvhMeshArguments& arguments) {
+  if (arguments.stepCount < 1 || arguments.stepCount > STBVH_MAX_STEP_COUNT) {
+    refuse("stepCount must be 1 to " + std::to_string(STBVH_MAX_STEP_COUNT) + ", not " +
+           std::to_string(arguments.stepCount));
+  }
+  check_alignment(arguments.stepTimes, alignof(float), "stepTimes");
+  if (arguments.stepTimes == nullptr) check_time_range(arguments);
   if (arguments.vertexCount > UINT32_MAX) refuse("vertexCount must fit into 32 bits");
   if (arguments.vertices == nullptr && arguments.vertexCount > 0) refuse("vertices is null");
   check_alignment(arguments.vertices, alignof(void*), "vertices");
@@ -65,6 +71,8 @@ MeshDescription::MeshDescription(const StbvhMeshArguments& arguments) : argument
     strides_.push_back(stride);
     steps_.push_back({data, arguments.vertexCount, stride});
   }
+  if (arguments.stepTimes != nullptr)
+    step_times_.assign(arguments.stepTimes, arguments.stepTimes + arguments.stepCount);
   // What the commit would refuse: here it is still known which mesh it is, and the others stay.
   if (const char* const problem = problem_of(view())) refuse(std::string("the mesh ") + problem);
 }
@@ -73,6 +81,7 @@ StbvhMeshArguments MeshDescription::arguments() const {
   StbvhMeshArguments result = arguments_;
   result.vertices = vertices_.data();
   result.vertexByteStrides = strides_.data();
+  result.stepTimes = step_times_.empty() ? nullptr : step_times_.data();
   return result;
 }
 
@@ -83,6 +92,10 @@ MeshView MeshDescription::view() const {
   view.index_stride = arguments_.indexByteStride;
   view.steps = steps_;
   view.time_range = {arguments_.startTime, arguments_.endTime};
+  if (!step_times_.empty()) {
+    view.time_range = {step_times_.front(), step_times_.back()};
+    view.step_times = step_times_;
+  }
   view.mask = arguments_.mask;
   return view;
 }

@@ -29,7 +29,7 @@ class MeshDescription {
   /// The arguments, their arrays those of this description.
   StbvhMeshArguments arguments() const;
 
-  /// The mesh as the kernels see it; its `steps` are those of this description.
+  /// The mesh as the kernels see it; its arrays are those of this description.
   MeshView view() const;
 
   unsigned geom_id() const { return arguments_.geomID; }
@@ -47,6 +47,7 @@ class MeshDescription {
   std::vector<const void*> vertices_;
   std::vector<std::size_t> strides_;
   std::vector<VertexBufferView> steps_;
+  std::vector<float> step_times_;
 };
 
 }  // namespace stbvh::plugin

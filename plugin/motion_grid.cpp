@@ -17,6 +17,9 @@ constexpr float kMaxTime = 64.0f;
 /// magnitude: each is a handful of operations in float (2^-24 each); 2^-20 allows 16.
 constexpr double kRounding = 1.0 / (1 << 20);
 
+/// What Embree takes.
+constexpr std::size_t kMostSteps = 129;
+
 constexpr double kNothing = -std::numeric_limits<double>::infinity();
 
 bool is_static(const MeshMotion& mesh) {
@@ -42,6 +45,7 @@ double face_value(const Box3f& box, int face) {
 }
 
 double time_of_step(const MeshMotion& mesh, std::size_t step) {
+  if (!mesh.step_times.empty()) return mesh.step_times[step];
   const double begin = mesh.time_range.begin, end = mesh.time_range.end;
   return begin + (end - begin) * static_cast<double>(step) / static_cast<double>(mesh.steps.size() - 1);
 }
@@ -59,13 +63,23 @@ Position locate(double time, double begin, double end, std::size_t segments) {
   return {index, u - static_cast<double>(index)};
 }
 
+Position locate(const MeshMotion& mesh, double time) {
+  if (mesh.step_times.empty())
+    return locate(time, mesh.time_range.begin, mesh.time_range.end, mesh.steps.size() - 1);
+  const std::vector<float>& times = mesh.step_times;
+  const auto next = std::upper_bound(times.begin() + 1, times.end() - 1, time);
+  const double begin = *(next - 1);
+  return {static_cast<std::size_t>(next - 1 - times.begin()),
+          std::clamp((time - begin) / (*next - begin), 0.0, 1.0)};
+}
+
 double lerp(double a, double b, double f) {
   return (1 - f) * a + f * b;
 }
 
 double face_at(const MeshMotion& mesh, int face, double time) {
   if (is_static(mesh)) return face_value(mesh.steps[0], face);
-  const Position p = locate(time, mesh.time_range.begin, mesh.time_range.end, mesh.steps.size() - 1);
+  const Position p = locate(mesh, time);
   return lerp(face_value(mesh.steps[p.index], face), face_value(mesh.steps[p.index + 1], face), p.fraction);
 }
 
@@ -176,11 +190,12 @@ Interval common_range(std::span<const MeshMotion> meshes) {
 std::size_t common_segments(std::span<const MeshMotion> meshes, Interval range) {
   double shortest = range.width();
   for (const MeshMotion& mesh : meshes) {
-    if (!is_static(mesh)) shortest = std::min(shortest, time_of_step(mesh, 1) - time_of_step(mesh, 0));
+    for (std::size_t step = 1; step < mesh.steps.size(); ++step)
+      shortest = std::min(shortest, time_of_step(mesh, step) - time_of_step(mesh, step - 1));
   }
   // A little less, so that 8 segments in float times do not become 9.
   const double wanted = std::ceil(range.width() / shortest - 1e-3);
-  return static_cast<std::size_t>(std::clamp(wanted, 1.0, static_cast<double>(kMaxSteps - 1)));
+  return static_cast<std::size_t>(std::clamp(wanted, 1.0, static_cast<double>(kMostSteps - 1)));
 }
 
 MotionGrid fit_common_grid(std::span<const MeshMotion> meshes) {
@@ -205,9 +220,10 @@ MotionGrid static_grid(std::span<const MeshMotion> meshes) {
   return grid;
 }
 
-/// Whether Embree can take the mesh's own time range as it is.
+/// Whether Embree can take the mesh's own steps as they are.
 bool is_plain(const MeshMotion& mesh) {
-  return alive(mesh).width() >= kMinAliveWidth && mesh.time_range.begin >= -kMaxTime &&
+  return mesh.step_times.empty() && mesh.steps.size() <= kMostSteps &&
+         alive(mesh).width() >= kMinAliveWidth && mesh.time_range.begin >= -kMaxTime &&
          mesh.time_range.end <= kMaxTime;
 }
 

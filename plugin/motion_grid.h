@@ -12,6 +12,7 @@ namespace stbvh::plugin {
 struct MeshMotion {
   std::vector<Box3f> steps;
   TimeRange time_range;
+  std::vector<float> step_times = {};  ///< empty: equidistant
 };
 
 /// What Embree is told: boxes equidistant over `time_range`; between two of them Embree interpolates.

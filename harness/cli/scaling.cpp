@@ -40,6 +40,7 @@ struct ScalingOptions : RecordOptions, SpeedOptions {
   std::string scene = "cloth";
   std::optional<double> scale;
   std::uint64_t seed = 1;
+  double tolerance = 0;  ///< of the diagonal
   std::vector<std::string> structures;
   std::optional<unsigned> threads;
 };
@@ -69,6 +70,7 @@ void add_options(CLI::App& app, ScalingOptions& o) {
       ->default_str(o.scene);
   add_scale_option(app, o.scale);
   app.add_option("--seed", o.seed, "Seed of scene and rays")->capture_default_str();
+  add_tolerance_option(app, o.tolerance);
   add_structures_option(app, o.structures);
   add_json_option(app, o);
   add_threads_option(app, o.threads, kPinnedThreads);
@@ -101,7 +103,7 @@ ScalingOptions completed(ScalingOptions o) {
   std::sort(o.values.begin(), o.values.end());
   o.values.erase(std::unique(o.values.begin(), o.values.end()), o.values.end());
   if (o.over == Over::kSteps && o.values.front() < 2) throw UsageError("--values: at least 2 steps.");
-  const std::size_t most = o.over == Over::kSteps     ? kMaxSteps
+  const std::size_t most = o.over == Over::kSteps     ? kMaxSceneSteps
                            : o.over == Over::kThreads ? usable_core_count()
                                                       : kMostTriangles;
   check_range("--values", o.values.front(), most);
@@ -152,7 +154,9 @@ class ScalingRun {
                                                            : options_.scale.value_or(source_.default_scale);
     Scene scene = options_.over == Over::kSteps ? source_.make_with_steps(scale, options_.seed, value)
                                                 : source_.make(scale, options_.seed);
-    return checked(std::move(scene), options_.scene);
+    scene = checked(std::move(scene), options_.scene);
+    scene.tolerance = static_cast<float>(options_.tolerance * diagonal(scene));
+    return scene;
   }
 
   void measure(std::size_t value) {

@@ -147,7 +147,11 @@ class SceneBench {
             .structure_bytes = first.structure_bytes,
             .monitor_bytes = first.monitor_bytes,
             .total_bytes = first.structure_bytes + scene_.buffer_bytes(),
-            .resident_bytes = first.resident_bytes};
+            .resident_bytes = first.resident_bytes,
+            .steps = scene_.step_count(),
+            .steps_kept = first.steps_kept,
+            .tolerance = scene_.tolerance,
+            .max_deviation = first.max_deviation};
   }
 
   const Scene& scene_;

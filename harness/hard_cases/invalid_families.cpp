@@ -113,12 +113,13 @@ std::vector<HardCase> indices_out_of_range(std::size_t count, std::uint64_t seed
 std::vector<HardCase> most_steps(std::size_t count, std::uint64_t seed) {
   Pcg32 random(seed, 63);
   const auto triangle = [](Pcg32& r) { return bending(random_corners(r, random_point(r, 1), 0.3), 0.3, r); };
-  return one_case(seen_from(one_mesh(make_soup(300, kMaxSteps - 1, random, triangle)), {}, 2, count, random));
+  return one_case(
+      seen_from(one_mesh(make_soup(300, kMaxSceneSteps - 1, random, triangle)), {}, 2, count, random));
 }
 
 std::vector<HardCase> too_many_steps(std::size_t, std::uint64_t seed) {
   std::vector<HardCase> cases;
-  for (const std::size_t steps : {kMaxSteps + 1, std::size_t{1000}}) {
+  for (const std::size_t steps : {kMaxSteps + 1, std::size_t{5000}}) {
     Pcg32 random(seed, 64);
     const Body body{.cuts = 2, .segments = steps - 1};
     cases.push_back(seen_from(one_mesh(make_body(body)), {}, 2, 1, random));

@@ -36,7 +36,7 @@ void check_mesh(const Mesh& mesh) {
     throw std::invalid_argument(fmt::format("The mesh \"{}\" cannot be shown: {}.", mesh.name, reason));
   };
   if (mesh.steps.empty()) refuse("it has no steps");
-  if (mesh.steps.size() > kMaxSteps) refuse("it has too many steps");
+  if (mesh.steps.size() > kMaxSceneSteps) refuse("it has too many steps");
   for (const VertexBuffer& step : mesh.steps) {
     if (step.size() != mesh.steps.front().size()) refuse("its steps have different numbers of vertices");
   }

@@ -24,6 +24,16 @@ double checked_scale(double scale) {
   throw UsageError(fmt::format("--scale must be above 0 and at most {}, not {}.", kLargestScale, scale));
 }
 
+std::size_t checked_steps(std::size_t steps) {
+  if (steps >= 2 && steps <= kMaxSceneSteps) return steps;
+  throw UsageError(fmt::format("--resample-steps must be 2 to {}, not {}.", kMaxSceneSteps, steps));
+}
+
+double checked_tolerance(double share) {
+  if (share >= 0 && share < 1) return share;
+  throw UsageError(fmt::format("--tolerance must be at least 0 and below 1, not {}.", share));
+}
+
 TimeRange shutter(const std::string& text) {
   const auto [begin, end] = parse_pair(text, ',', "--shutter");
   if (!(begin >= 0) || !(begin < end) || !std::isfinite(end))
@@ -49,8 +59,8 @@ void set_steps(const std::string& steps, GltfOptions& gltf) {
     return;
   }
   const auto count = parse_number(steps);
-  if (!count || !(*count >= 1) || !(*count <= double{kMaxSteps}) || *count != std::floor(*count)) {
-    throw UsageError(fmt::format("--steps must be 1 to {}, or auto:E, not \"{}\".", kMaxSteps, steps));
+  if (!count || !(*count >= 1) || !(*count <= double{kMaxSceneSteps}) || *count != std::floor(*count)) {
+    throw UsageError(fmt::format("--steps must be 1 to {}, or auto:E, not \"{}\".", kMaxSceneSteps, steps));
   }
   gltf.steps = static_cast<std::size_t>(*count);
 }
@@ -94,6 +104,13 @@ void add_scale_option(CLI::App& app, std::optional<double>& scale) {
       "(see list)");
 }
 
+void add_tolerance_option(CLI::App& app, double& tolerance) {
+  app.add_option_function<double>(
+      "--tolerance", [&tolerance](double share) { tolerance = checked_tolerance(share); },
+      "How far structures that can may be from the motion, of the scene's diagonal: they leave out steps. "
+      "Default: 0, within rounding");
+}
+
 void add_making_options(CLI::App& app, MakingOptions& m) {
   const std::size_t first = app.get_options().size();
   add_scale_option(app, m.scale);
@@ -117,6 +134,10 @@ void add_making_options(CLI::App& app, MakingOptions& m) {
   add_number_option(
       app, "--step", m.obj_step, kLargestObjStep,
       "OBJ: by how much the numbers of a sequence go up from file to file, as in 2 for one on twos");
+  app.add_option_function<std::size_t>(
+      "--resample-steps", [&m](std::size_t steps) { m.resample_steps = checked_steps(steps); },
+      "Hand every mesh over with so many steps, 2 to 129, also what stands still. Default: as they are");
+  add_tolerance_option(app, m.tolerance);
   keep_words(app, first, m.scene_words);
 }
 

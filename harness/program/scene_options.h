@@ -21,7 +21,9 @@ struct MakingOptions {
   std::optional<double> scale;  ///< of built-in scenes; empty: each scene's default
   std::uint64_t seed = 1;
   GltfOptions gltf;
-  std::size_t obj_step = 1;  ///< by which the numbers of OBJ sequences go up
+  std::size_t obj_step = 1;        ///< by which the numbers of OBJ sequences go up
+  std::size_t resample_steps = 0;  ///< of every mesh; 0: as they are
+  double tolerance = 0;            ///< of structures that can, of the scene's diagonal
   /// Those of these options, and --scenes, that were given, for another command.
   std::vector<std::string> scene_words;
 };
@@ -36,6 +38,9 @@ struct SceneOptions : MakingOptions {
 
 /// --scale.
 void add_scale_option(CLI::App& app, std::optional<double>& scale);
+
+/// --tolerance, of a scene's diagonal.
+void add_tolerance_option(CLI::App& app, double& tolerance);
 
 /// How a scene is made that is named elsewhere: --scale, --seed and those of files.
 void add_making_options(CLI::App& app, MakingOptions& making);

@@ -15,6 +15,7 @@
 #include "harness/scenes/obj/obj.h"
 #include "harness/scenes/obj/obj_sequence.h"
 #include "harness/scenes/procedural/procedural.h"
+#include "harness/scenes/resampled.h"
 #include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {
@@ -75,6 +76,11 @@ SceneSource built_in_source(const std::string& name, const MakingOptions& option
   return {name, [=, seed = options.seed] { return checked(scene->make(scale, seed), name); }};
 }
 
+SceneSource find_source(const std::string& name, const MakingOptions& making) {
+  if (find_procedural_scene(name) == nullptr && is_obj_name(name)) return obj_source(name, making.obj_step);
+  return is_file_name(name) ? file_source(name, making.gltf) : built_in_source(name, making);
+}
+
 }  // namespace
 
 Scene checked(Scene scene, const std::string& name) {
@@ -94,8 +100,15 @@ void print_warning(const std::string& sentence) {
 }
 
 SceneSource find_scene(const std::string& name, const MakingOptions& making) {
-  if (find_procedural_scene(name) == nullptr && is_obj_name(name)) return obj_source(name, making.obj_step);
-  return is_file_name(name) ? file_source(name, making.gltf) : built_in_source(name, making);
+  SceneSource source = find_source(name, making);
+  if (making.resample_steps == 0 && making.tolerance == 0) return source;
+  source.load = [load = std::move(source.load), steps = making.resample_steps, share = making.tolerance] {
+    Scene scene = load();
+    if (steps > 0) scene = resampled(std::move(scene), steps);
+    scene.tolerance = static_cast<float>(share * diagonal(scene));
+    return scene;
+  };
+  return source;
 }
 
 std::vector<SceneSource> find_scenes(const SceneOptions& options) {

@@ -22,7 +22,11 @@ Json to_record(const BuildResult& r) {
           {"structure_bytes", r.structure_bytes},
           {"monitor_bytes", r.monitor_bytes},
           {"total_bytes", r.total_bytes},
-          {"resident_bytes", r.resident_bytes}};
+          {"resident_bytes", r.resident_bytes},
+          {"steps", r.steps},
+          {"steps_kept", r.steps_kept},
+          {"tolerance", r.tolerance},
+          {"max_deviation", r.max_deviation}};
 }
 
 Json to_record(const SpeedResult& r) {

@@ -93,19 +93,26 @@ std::string build_table(const std::vector<BuildResult>& results) {
   };
   std::string text = fmt::format(
       "build, {} threads (ratios to embree; MB = 1e6 bytes; bytes as each one's own monitor counts)\n"
-      "{:<21}{:>7}{:>9}{:>18}{:>8}{:>9}{:>9}{:>13}{:>12}\n",
+      "{:<21}{:>7}{:>9}{:>18}{:>8}{:>9}{:>9}{:>13}{:>12}{:>7}\n",
       results.front().threads, "structure", "time", "seconds", "min-max (builds)", "memory", "final MB",
-      "peak MB", "with buffers", "resident MB");
+      "peak MB", "with buffers", "resident MB", "steps");
   for (const BuildResult& r : results) {
     const bool has_reference = embree != results.end();
     const auto bytes = static_cast<double>(r.structure_bytes);
-    text += fmt::format("{:<21}{:>7}{:>9.3f}{:>18}{:>8}{:>9}{:>9}{:>13}{:>12}\n", r.structure,
+    text += fmt::format("{:<21}{:>7}{:>9.3f}{:>18}{:>8}{:>9}{:>9}{:>13}{:>12}{:>7}\n", r.structure,
                         ratio(r.build_s.median, has_reference ? embree->build_s.median : 0), r.build_s.median,
                         fmt::format("{:.2f}-{:.2f} ({})", r.build_s.min, r.build_s.max, r.builds),
                         ratio(bytes, has_reference ? static_cast<double>(embree->structure_bytes) : 0),
                         megabytes(bytes), megabytes(static_cast<double>(r.peak_bytes)),
                         megabytes(static_cast<double>(r.total_bytes)),
-                        megabytes(static_cast<double>(r.resident_bytes)));
+                        megabytes(static_cast<double>(r.resident_bytes)), r.steps_kept);
+  }
+  if (const auto off =
+          std::max_element(results.begin(), results.end(),
+                           [](const auto& a, const auto& b) { return a.max_deviation < b.max_deviation; });
+      off->max_deviation > 0) {
+    text += fmt::format("steps left out move no vertex by more than {:.2g} (tolerance {:.2g}; scene units)\n",
+                        off->max_deviation, off->tolerance);
   }
   return text;
 }

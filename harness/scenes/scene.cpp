@@ -32,6 +32,12 @@ std::size_t Scene::primitive_segment_count() const {
   return n;
 }
 
+std::size_t Scene::step_count() const {
+  std::size_t count = 0;
+  for (const Mesh& mesh : meshes) count += mesh.steps.size();
+  return count;
+}
+
 std::size_t Scene::buffer_bytes() const {
   std::size_t bytes = 0;
   for (const Mesh& mesh : meshes) {

@@ -48,11 +48,14 @@ struct Material {
 /// Makes `box` as large as it must be for `p` to be in it.
 void extend(Box3f& box, Vec3f p);
 
+/// Most steps of a mesh: those that Embree takes, and with it the programs that scenes are compared with.
+inline constexpr std::size_t kMaxSceneSteps = 129;
+
 /// A triangle mesh with one vertex buffer for each step over `time_range`.
 struct Mesh {
   std::string name;
   std::vector<std::uint32_t> indices;  ///< 3 for each triangle
-  std::vector<VertexBuffer> steps;     ///< 1 (static) to kMaxSteps, all of the same size
+  std::vector<VertexBuffer> steps;     ///< 1 (static) to kMaxSceneSteps, all of the same size
   TimeRange time_range;                ///< in ray time, default [0, 1]
   std::uint32_t mask = 0xFFFFFFFFu;
   Material material;  ///< for pictures
@@ -107,10 +110,14 @@ struct Scene {
   std::vector<DirectionalLight> directional_lights;
   std::vector<PointLight> point_lights;
   std::optional<Environment> environment;  ///< without any light, pictures are lit by a sun and a sky
+  /// How far structures that can may be from the motion, scene units; 0: within rounding.
+  float tolerance = 0.0f;
 
   std::size_t triangle_count() const;
   /// Sum over triangles of max(segments, 1).
   std::size_t primitive_segment_count() const;
+  /// Sum over meshes of their steps.
+  std::size_t step_count() const;
   /// Bytes of all vertex and index buffers.
   std::size_t buffer_bytes() const;
   /// Union over all meshes and steps.

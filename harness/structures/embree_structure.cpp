@@ -11,6 +11,7 @@ EmbreeStructure::EmbreeStructure(const Scene& scene, std::string_view device_opt
   const BuildMeter meter(threads);
   scene_ = new_triangle_scene(device_, scene, flags, progress);
   record_.build_s = meter.seconds();
+  record_.steps_kept = scene.step_count();
   record_.structure_bytes = record_.monitor_bytes = device_.memory().current_bytes();
   record_.peak_bytes = device_.memory().peak_bytes();
   record_.resident_bytes = meter.resident_growth();

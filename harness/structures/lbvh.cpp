@@ -60,6 +60,7 @@ Lbvh::Lbvh(const Scene& scene, std::string_view device_options, unsigned threads
   build_windows(scene, progress);
   device_.check();
   record_.build_s = meter.seconds();
+  record_.steps_kept = scene.step_count();
   record_.structure_bytes = record_.monitor_bytes = device_.memory().current_bytes();
   record_.peak_bytes = device_.memory().peak_bytes();
   record_.resident_bytes = meter.resident_growth();

@@ -21,14 +21,19 @@ StbvhDirect::StbvhDirect(const Scene& scene, const BuildSettings& settings, unsi
                      .index_stride = 3 * sizeof(std::uint32_t),
                      .steps = steps[i],
                      .time_range = mesh.time_range,
+                     .step_times = {},
                      .mask = mesh.mask,
                      .geom_id = static_cast<std::uint32_t>(i)});
   }
+  BuildSettings with_tolerance = settings;
+  with_tolerance.tolerance = scene.tolerance;
   structure_ = Structure::build(
-      views, settings, {.allocate = {}, .release = {}, .temporary_memory = {}, .progress = progress});
+      views, with_tolerance, {.allocate = {}, .release = {}, .temporary_memory = {}, .progress = progress});
   record_.build_s = meter.seconds();
   record_.structure_bytes = structure_->statistics().structure_bytes;
   record_.peak_bytes = structure_->statistics().peak_bytes;
+  record_.steps_kept = structure_->statistics().steps_kept;
+  record_.max_deviation = structure_->statistics().max_deviation;
   record_.resident_bytes = meter.resident_growth();
 }
 

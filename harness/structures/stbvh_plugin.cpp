@@ -25,6 +25,7 @@ StbvhPlugin::StbvhPlugin(const Scene& scene, const PluginSettings& settings, uns
   }
   check(stbvhSetGeometryPrecision(geometry_.get(), settings.precision));
   check(stbvhSetGeometryInlineShare(geometry_.get(), settings.inline_share));
+  check(stbvhSetGeometryTolerance(geometry_.get(), scene.tolerance));
   if (progress) {
     check(stbvhSetGeometryProgressFunction(geometry_.get(), report_progress,
                                            const_cast<BuildProgress*>(&progress)));
@@ -42,6 +43,10 @@ StbvhPlugin::StbvhPlugin(const Scene& scene, const PluginSettings& settings, uns
   record_.monitor_bytes = device_.memory().current_bytes();
   record_.structure_bytes = settings.still_in_embree ? record_.monitor_bytes : statistics.structureBytes;
   record_.peak_bytes = device_.memory().peak_bytes();
+  record_.steps_kept = settings.still_in_embree
+                           ? scene.step_count() - statistics.stepsGiven + statistics.stepsKept
+                           : statistics.stepsKept;
+  record_.max_deviation = statistics.maxDeviation;
   record_.resident_bytes = meter.resident_growth();
 }
 

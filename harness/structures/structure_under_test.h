@@ -20,6 +20,8 @@ struct BuildRecord {
   std::size_t monitor_bytes = 0;      ///< after the build, as the Embree device counts; 0 without a device
   std::size_t peak_bytes = 0;         ///< largest during the build, as the structure's own monitor counts
   std::ptrdiff_t resident_bytes = 0;  ///< growth of the process's resident memory over the build
+  std::size_t steps_kept = 0;         ///< of all meshes together; all that they have but for ours
+  double max_deviation = 0;           ///< of a vertex at any time for those left out, scene units
 };
 
 /// Told the fraction done, 0 to 1, from any thread, also from several at once; false cancels the build.

@@ -140,7 +140,7 @@ ReferenceSet BinaryTree::make_references(TemporaryArray<Reference>& storage) {
     const BuildMesh& mesh = context_.meshes[m];
     const MeshletSet& set_of_mesh = context_.meshlets[m];
     const MotionSamples samples(mesh, range_);
-    if (samples.count == 0) continue;
+    if (samples.empty()) continue;
     const std::size_t count = set_of_mesh.meshlets().size();
     context_.progress.poll();
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kChunk), [&](const auto& part) {

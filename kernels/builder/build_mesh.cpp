@@ -11,6 +11,8 @@
 #include <limits>
 #include <string>
 
+#include "builder/step_reduction.h"
+
 namespace stbvh {
 
 namespace {
@@ -18,19 +20,62 @@ namespace {
 TimeGrid make_grid(const MeshView& view) {
   constexpr float inf = std::numeric_limits<float>::infinity();
   if (view.steps.size() == 1) return {-inf, inf, inf, 0.0f};
+  const auto segments = static_cast<float>(view.steps.size() - 1);
+  if (!view.step_times.empty()) {
+    const float begin = view.step_times.front(), end = view.step_times.back();
+    return {begin, end, end - begin, -segments};
+  }
   const TimeRange range{normal_time(view.time_range.begin), normal_time(view.time_range.end)};
-  return {range.begin, range.end, range.end - range.begin, static_cast<float>(view.steps.size() - 1)};
+  return {range.begin, range.end, range.end - range.begin, segments};
+}
+
+bool is_equidistant(const std::vector<std::size_t>& steps) {
+  for (std::size_t i = 2; i < steps.size(); ++i) {
+    if (steps[i] - steps[i - 1] != steps[1] - steps[0]) return false;
+  }
+  return true;
 }
 
 }  // namespace
 
-BuildMesh::BuildMesh(const MeshView& view, std::size_t index) : view_(view) {
+BuildMesh::BuildMesh(const MeshView& view, std::size_t index, float tolerance) : view_(view) {
   if (const char* const problem = problem_of(view)) {
     throw InvalidMesh("mesh " + std::to_string(index) + ": " + problem);
   }
-  grid_ = make_grid(view_);
-  for (std::uint32_t k = 1; k < segments(); ++k) boundaries_.push_back(first_time_of_segment(grid_, k));
+  steps_given_ = view.steps.size();
   find_invalid_vertices();
+  if (is_static()) view_.step_times = {};  // not looked at
+  for (const float time : view_.step_times) times_.push_back(normal_time(time));
+  view_.step_times = times_;
+  if (!is_static() && tolerance >= 0.0f) keep_steps(tolerance);
+  if (times_.size() == 2) {  // are equidistant
+    view_.time_range = {times_[0], times_[1]};
+    times_.clear();
+    view_.step_times = {};
+  }
+  grid_ = make_grid(view_);
+  if (grid_.is_uneven()) {
+    boundaries_.assign(times_.begin() + 1, times_.end() - 1);
+    return;
+  }
+  for (std::uint32_t k = 1; k < segments(); ++k) boundaries_.push_back(first_time_of_segment(grid_, k));
+}
+
+void BuildMesh::keep_steps(float tolerance) {
+  const StepReduction reduction = reduce_steps(
+      view_, [this](std::size_t vertex) { return !is_invalid(vertex); }, tolerance);
+  deviation_ = reduction.deviation;
+  if (reduction.kept.size() == view_.steps.size()) return;
+  std::vector<float> times;
+  for (const std::size_t step : reduction.kept) {
+    steps_.push_back(view_.steps[step]);
+    times.push_back(step_time(view_, step));
+  }
+  const bool is_static = reduction.kept.size() == 1;
+  if (is_static || (view_.step_times.empty() && is_equidistant(reduction.kept))) times.clear();
+  view_.steps = steps_;
+  times_ = std::move(times);
+  view_.step_times = times_;
 }
 
 void BuildMesh::find_invalid_vertices() {
@@ -58,7 +103,7 @@ void BuildMesh::find_invalid_vertices() {
 bool BuildMesh::is_valid(const TriangleIndices& triangle) const {
   for (const std::uint32_t v : triangle) {
     if (v >= view_.steps[0].count) return false;
-    if (!invalid_vertices_.empty() && invalid_vertices_[v]) return false;
+    if (is_invalid(v)) return false;
   }
   return true;
 }
@@ -69,7 +114,26 @@ ClosedTimeRange BuildMesh::alive(const ClosedTimeRange& range) const {
 
 BuildMesh::SegmentRange BuildMesh::segments_in(const ClosedTimeRange& range) const {
   const ClosedTimeRange r = alive(range);
-  return {segment_at(grid_, r.begin).segment, segment_at(grid_, r.last).segment};
+  return {segment_at(r.begin).segment, segment_at(r.last).segment};
+}
+
+SegmentTime BuildMesh::segment_at(float time) const {
+  if (!grid_.is_uneven()) return stbvh::segment_at(grid_, time);
+  return segment_among(times_.data(), 0, static_cast<std::uint32_t>(segments()) - 1, time);
+}
+
+double BuildMesh::time_of_step(std::size_t step) const {
+  if (grid_.is_uneven()) return times_[step];
+  return grid_.begin +
+         (static_cast<double>(grid_.end) - grid_.begin) * static_cast<double>(step) / grid_.segments;
+}
+
+float BuildMesh::segments_per_time(const ClosedTimeRange& range) const {
+  if (!grid_.is_uneven()) return grid_.segments / grid_.length;
+  const ClosedTimeRange r = alive(range);
+  if (!(r.begin < r.last)) return 0.0f;
+  const SegmentRange met = segments_in(r);
+  return static_cast<float>(met.last - met.first + 1) / r.length();
 }
 
 namespace {

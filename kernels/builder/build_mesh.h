@@ -1,4 +1,4 @@
-/// A mesh of the caller, checked once, as the builder reads it.
+/// A mesh of the caller, checked once, as the builder reads it: with the steps that it needs.
 #pragma once
 
 #include <cstdint>
@@ -15,10 +15,16 @@ namespace stbvh {
 /// One mesh: access to its triangles and positions.
 class BuildMesh {
  public:
-  /// Throws InvalidMesh, naming `index`, for a description that cannot be read.
-  BuildMesh(const MeshView& view, std::size_t index);
+  /// Keeps as few steps as stay within `tolerance` (reduce_steps()). Throws InvalidMesh, naming `index`, for
+  /// a description that cannot be read.
+  BuildMesh(const MeshView& view, std::size_t index, float tolerance);
+  BuildMesh(BuildMesh&&) = default;
 
+  /// Without the steps that are left out.
   const MeshView& view() const { return view_; }
+  std::size_t steps_given() const { return steps_given_; }
+  /// How far the motion is off without them, at most; scene units.
+  double deviation() const { return deviation_; }
   const TimeGrid& grid() const { return grid_; }
   std::size_t segments() const { return view_.steps.size() - 1; }
   bool is_static() const { return view_.steps.size() == 1; }
@@ -26,8 +32,20 @@ class BuildMesh {
   TriangleIndices triangle(std::size_t prim) const { return view_.triangle(prim); }
   Vec3f position(std::size_t step, std::uint32_t vertex) const { return view_.steps[step].position(vertex); }
 
+  /// Which segment a time belongs to: what the traversal finds. Not for static meshes.
+  SegmentTime segment_at(float time) const;
+  /// In exact arithmetic.
+  double time_of_step(std::size_t step) const;
+  /// Bounds the rounding of a segment's fraction, in units of 2^-22 (docs/accuracy.md).
+  float fraction_rounding() const { return grid_.is_uneven() ? 1.0f : grid_.segments; }
+  /// How fine the steps are: of equidistant ones everywhere the same, of others in `range`. 0: static.
+  float segments_per_time(const ClosedTimeRange& range) const;
+
   /// Whether all indices are in range and all positions valid, in every step.
   bool is_valid(const TriangleIndices& triangle) const;
+  bool is_invalid(std::size_t vertex) const {
+    return !invalid_vertices_.empty() && invalid_vertices_[vertex];
+  }
 
   /// First and last segment met by the times of `range`, which overlaps the mesh's own. Not for static
   /// meshes.
@@ -45,8 +63,13 @@ class BuildMesh {
 
  private:
   void find_invalid_vertices();
+  void keep_steps(float tolerance);
 
   MeshView view_;
+  std::vector<VertexBufferView> steps_;  ///< of view_, where some were left out
+  std::vector<float> times_;             ///< of view_, where the steps are uneven; no denormals
+  std::size_t steps_given_;
+  double deviation_ = 0.0;
   TimeGrid grid_;
   std::vector<float> boundaries_;       ///< first_time_of_segment of segments 1 to S - 1
   std::vector<bool> invalid_vertices_;  ///< empty: all are valid

@@ -1,9 +1,9 @@
 /// Linear bounds of vertices that move from step to step.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "builder/build_mesh.h"
 #include "layout/linear_bounds.h"
@@ -18,12 +18,13 @@ struct MotionSamples {
     float fraction;   ///< of the segment; 0: exactly at the step
     std::uint32_t segment;
   };
-  std::array<Sample, kMaxSteps + 2> samples;
-  std::size_t count = 0;
+  std::vector<Sample> samples;
   bool covers_range = true;  ///< false: the mesh is alive in a part of the range only
 
-  /// Empty (count 0) where the mesh is not alive in `range`.
+  /// Empty where the mesh is not alive in `range`.
   MotionSamples(const BuildMesh& mesh, const ClosedTimeRange& range);
+
+  bool empty() const { return samples.empty(); }
 };
 
 /// Linear bounds of the given vertices over the range of `samples`, padded for the rounding of the segment's

@@ -35,7 +35,7 @@ class ReferenceMaker {
       samples_.emplace(mesh, range_);
       mesh_ = reference.mesh;
     }
-    if (samples_->count == 0) return false;
+    if (samples_->empty()) return false;
     const Meshlet& meshlet = context_.meshlets[reference.mesh].meshlets()[reference.meshlet];
     bounds = motion_bounds(mesh, *samples_, meshlet.used_vertices());
     return true;
@@ -54,7 +54,7 @@ const BuildMesh* finest_mesh(const BuildContext& context, const ReferenceSet& se
   float most_segments = 0.0f;  // per unit of time
   for (std::size_t i = 0; i < set.size(); i += stride) {
     const BuildMesh& mesh = context.meshes[set.references[i].mesh];
-    const float segments = mesh.grid().segments / mesh.grid().length;
+    const float segments = mesh.segments_per_time(set.range);
     if (segments < most_segments || (segments == most_segments && &mesh >= finest)) continue;
     finest = &mesh;
     most_segments = segments;

@@ -1,10 +1,9 @@
 #include "builder/tightest_bounds.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
-#include "stbvh/mesh_view.h"
+#include "builder/sample_array.h"
 
 namespace stbvh {
 
@@ -16,12 +15,12 @@ struct Point {
 
 /// The lower hull edge over `centre`, as values at 0 and 1 (Andrew's monotone chain).
 Point lower_hull_line(std::span<const Point> points, double centre) {
-  std::array<Point, kMaxSteps + 2> hull;
+  SampleArray<Point> hull(points.size());
   std::size_t n = 0;
-  for (const Point& p : points) {
+  for (Point p : points) {
     if (n > 0 && p.s <= hull[n - 1].s) {  // two samples at one time: the lower one counts
-      hull[n - 1].v = std::min(hull[n - 1].v, p.v);
-      continue;
+      if (hull[n - 1].v <= p.v) continue;
+      p.s = hull[--n].s;
     }
     while (n >= 2) {
       const Point& a = hull[n - 2];
@@ -45,7 +44,7 @@ LinearBounds tightest_at_centre(std::span<const BoundsSample> samples) {
   const BoundsSample& first = samples.front();
   const BoundsSample& last = samples.back();
   if (samples.size() <= 2) return {first.box, last.box};
-  std::array<Point, kMaxSteps + 2> points;
+  SampleArray<Point> points(samples.size());
   alignas(16) float lines[4][4] = {};
   for (int axis = 0; axis < 3; ++axis) {
     for (int upper = 0; upper < 2; ++upper) {

@@ -88,8 +88,9 @@ struct MeshRecord {
   std::uint32_t mask;
   std::uint32_t geom_id;
   const VertexBufferView* steps;  ///< read by indexed leaves
+  const float* step_times;        ///< read where the grid is uneven
 };
-static_assert(sizeof(MeshRecord) == 32);
+static_assert(sizeof(MeshRecord) == 40);
 
 /// A structure as the traversal sees it.
 struct StructureView {

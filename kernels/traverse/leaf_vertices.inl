@@ -35,9 +35,17 @@ struct LeafMotion {
   alignas(32) StepVertices gathered[2];  ///< of an indexed leaf
 };
 
+inline SegmentTime segment_of(const LeafHeader& leaf, const MeshRecord& mesh, float time) {
+  if (mesh.grid.is_uneven()) [[unlikely]] {
+    const auto last = static_cast<std::uint32_t>(-mesh.grid.segments) - 1;
+    return segment_among(mesh.step_times, leaf.first_segment, last, time);
+  }
+  return segment_at(mesh.grid, time);
+}
+
 inline void load_motion(float time, const LeafHeader& leaf, const MeshRecord& mesh, LeafMotion& motion) {
-  const bool is_static = mesh.grid.segments == 0.0f;
-  const SegmentTime at = is_static ? SegmentTime{0, 0.0f} : segment_at(mesh.grid, time);
+  const bool is_static = mesh.grid.is_static();
+  const SegmentTime at = is_static ? SegmentTime{0, 0.0f} : segment_of(leaf, mesh, time);
   motion.fraction = at.fraction;
   if (leaf.indexed) {
     const auto* vertices = reinterpret_cast<const std::uint32_t*>(&leaf + 1);

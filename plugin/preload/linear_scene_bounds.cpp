@@ -4,7 +4,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <vector>
 
@@ -101,7 +100,7 @@ bool boxes_of(const MeshView& mesh, std::size_t triangle, Box3f* boxes) {
 }
 
 LinearBox bounds_of_range(const MeshView& mesh, std::size_t begin, std::size_t end) {
-  std::array<Box3f, kMaxSteps> boxes;
+  std::vector<Box3f> boxes(mesh.steps.size());
   LinearBox result;
   if (mesh.steps.size() == 1) {
     for (std::size_t i = begin; i != end; ++i) {

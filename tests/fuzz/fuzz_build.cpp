@@ -85,7 +85,7 @@ void build_watched(std::span<const MeshView> meshes, const BuildSettings& settin
     const auto structure = Structure::build(meshes, settings, watch.callbacks());
     require(structure->tree_hash() == expected.tree_hash(), "a build can be repeated");
     require(watch.has_cancelled() || watch.fraction() == 1.0, "progress ends at 1");
-    check_statistics(meshes, structure->statistics());
+    check_statistics(meshes, settings.tolerance, structure->statistics());
   } catch (const BuildCancelled&) {
     require(watch.has_cancelled(), "a build ends early only if a callback says so");
   }
@@ -122,7 +122,10 @@ void run(ByteReader in) {
     const test::FlushToZero guard((flags & 2) != 0);
     structure = build(views, settings);
     if (structure == nullptr) return;
-    check_statistics(views, structure->statistics());
+    check_statistics(views, settings.tolerance, structure->statistics());
+    BuildSettings as_given = settings;
+    as_given.tolerance = kKeepAllSteps;
+    check_statistics(views, as_given.tolerance, build(views, as_given)->statistics());
     if ((flags & 4) != 0) build_watched(views, settings, cancel_at, *structure);
     unculled = make_unculled(views);
     settings.precision = Precision::kFast;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "stbvh/structure.h"
 
@@ -99,6 +100,20 @@ TimeRange take_time_range(ByteReader& in) {
   return {begin, in.number()};
 }
 
+/// Mostly increasing, by an eighth or by next to nothing; sometimes anything, or one too few.
+void take_step_times(ByteReader& in, FuzzMesh& mesh) {
+  float time = in.rarely() ? in.number() : 0.0f;
+  for (std::size_t step = 0; step < mesh.steps.size(); ++step) {
+    mesh.step_times.push_back(time);
+    const std::uint8_t code = in.byte();
+    time = code < 0x80   ? std::nextafter(time, 2.0f)
+           : code < 0xF8 ? time + static_cast<float>(code & 7) / 64.0f + 1e-3f
+                         : in.number();
+  }
+  if (in.rarely() && !mesh.step_times.empty()) mesh.step_times.pop_back();
+  mesh.view.step_times = mesh.step_times;
+}
+
 }  // namespace
 
 FuzzMesh take_mesh(ByteReader& in) {
@@ -107,6 +122,7 @@ FuzzMesh take_mesh(ByteReader& in) {
   take_indices(in, vertices, triangles, mesh);
   mesh.view.time_range = take_time_range(in);
   take_steps(in, steps, vertices, mesh);
+  if (in.below(4) == 0) take_step_times(in, mesh);
   if (in.rarely()) mesh.view.indices = nullptr;
   if (in.rarely()) mesh.view.triangle_count = std::size_t{kInvalidId} + 1 + in.byte();
   mesh.view.mask = in.rarely() ? in.take<std::uint32_t>() : 0xFFFFFFFFu;

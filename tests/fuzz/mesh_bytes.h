@@ -14,6 +14,7 @@ struct FuzzMesh {
   std::vector<std::byte> indices;
   std::vector<std::vector<std::byte>> positions;  ///< of each step
   std::vector<VertexBufferView> steps;
+  std::vector<float> step_times;
   MeshView view;
 };
 

@@ -32,27 +32,43 @@ bool is_valid(const MeshView& mesh, std::uint32_t vertex) {
   return true;
 }
 
+/// When a mesh of several steps is alive.
+TimeRange alive(const MeshView& mesh) {
+  return mesh.step_times.empty() ? mesh.time_range
+                                 : TimeRange{mesh.step_times.front(), mesh.step_times.back()};
+}
+
+/// Where a time lies among the steps: in segments from the first on.
+double along(const MeshView& mesh, float time) {
+  const auto segments = static_cast<float>(mesh.steps.size() - 1);
+  const TimeRange range = mesh.time_range;
+  if (mesh.step_times.empty()) return (time - range.begin) / (range.end - range.begin) * segments;
+  std::size_t k = 0;
+  while (k + 2 < mesh.step_times.size() && mesh.step_times[k + 1] <= time) ++k;
+  const double begin = mesh.step_times[k], end = mesh.step_times[k + 1];
+  return static_cast<double>(k) + (time - begin) / (end - begin);
+}
+
 /// The position at a time of the mesh's range, in double but for the choice of the segment.
 std::array<double, 3> position_at(const MeshView& mesh, float time, std::uint32_t vertex) {
   const Vec3f p = position(mesh, 0, vertex);
   if (mesh.steps.size() == 1) return {p.x, p.y, p.z};
-  const auto segments = static_cast<float>(mesh.steps.size() - 1);
-  const TimeRange range = mesh.time_range;
-  const float u = (time - range.begin) / (range.end - range.begin) * segments;
-  const float k = std::min(std::floor(u), segments - 1.0f);
-  const double f = static_cast<double>(u) - k;
+  const double u = along(mesh, time);
+  const double k = std::min(std::floor(u), static_cast<double>(mesh.steps.size() - 2));
+  const double f = u - k;
   const Vec3f p0 = position(mesh, static_cast<std::size_t>(k), vertex);
   const Vec3f p1 = position(mesh, static_cast<std::size_t>(k) + 1, vertex);
   return {(1 - f) * p0.x + f * p1.x, (1 - f) * p0.y + f * p1.y, (1 - f) * p0.z + f * p1.z};
 }
 
-/// Up to what a build that flushes denormal numbers to zero leaves out.
+/// Up to what a build that flushes denormal numbers to zero leaves out, and the rounding of straight motion.
 bool holds(const Box3f& box, const std::array<double, 3>& p) {
   constexpr double kFlushed = std::numeric_limits<float>::min();
   const std::array<float, 3> lower{box.lower.x, box.lower.y, box.lower.z};
   const std::array<float, 3> upper{box.upper.x, box.upper.y, box.upper.z};
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (!(p[axis] >= lower[axis] - kFlushed && p[axis] <= upper[axis] + kFlushed)) return false;
+    const double slack = kFlushed + 0x1p-22 * std::fabs(p[axis]);
+    if (!(p[axis] >= lower[axis] - slack && p[axis] <= upper[axis] + slack)) return false;
   }
   return true;
 }
@@ -84,10 +100,17 @@ bool is_readable(const MeshView& mesh) {
     if (step.data == nullptr && step.count > 0) return false;
   }
   if (mesh.steps.size() == 1) return true;
-  const TimeRange range{normal(mesh.time_range.begin), normal(mesh.time_range.end)};
-  const float length = range.end - range.begin;
-  return std::isfinite(range.begin) && std::isfinite(range.end) && std::isfinite(length) &&
-         length >= std::numeric_limits<float>::min();
+  const auto follow = [](float first, float second) {
+    const float begin = normal(first), end = normal(second);
+    return std::isfinite(begin) && std::isfinite(end) && std::isfinite(end - begin) &&
+           end - begin >= std::numeric_limits<float>::min();
+  };
+  if (mesh.step_times.empty()) return follow(mesh.time_range.begin, mesh.time_range.end);
+  if (mesh.step_times.size() != mesh.steps.size()) return false;
+  for (std::size_t i = 1; i < mesh.step_times.size(); ++i) {
+    if (!follow(mesh.step_times[i - 1], mesh.step_times[i])) return false;
+  }
+  return follow(mesh.step_times.front(), mesh.step_times.back());
 }
 
 std::vector<std::array<std::uint32_t, 3>> valid_triangles(const MeshView& mesh) {
@@ -103,12 +126,13 @@ std::vector<std::array<std::uint32_t, 3>> valid_triangles(const MeshView& mesh) 
 }
 
 bool is_ever_alive(const MeshView& mesh) {
-  return mesh.steps.size() == 1 || (mesh.time_range.begin <= 1.0f && normal(mesh.time_range.end) >= 0.0f);
+  return mesh.steps.size() == 1 || (alive(mesh).begin <= 1.0f && normal(alive(mesh).end) >= 0.0f);
 }
 
-void check_statistics(std::span<const MeshView> meshes, const BuildStatistics& statistics) {
-  std::size_t triangles = 0, invalid = 0, segments = 0;
+void check_statistics(std::span<const MeshView> meshes, float tolerance, const BuildStatistics& statistics) {
+  std::size_t triangles = 0, invalid = 0, segments = 0, steps = 0;
   for (const MeshView& mesh : meshes) {
+    steps += mesh.steps.size();
     const std::size_t valid = valid_triangles(mesh).size();
     invalid += mesh.triangle_count - valid;
     if (!is_ever_alive(mesh)) continue;
@@ -118,7 +142,14 @@ void check_statistics(std::span<const MeshView> meshes, const BuildStatistics& s
   const BuildStatistics& s = statistics;
   require(s.triangles == triangles, "statistics: triangles");
   require(s.invalid_triangles == invalid, "statistics: invalid_triangles");
-  require(s.primitive_segments == segments, "statistics: primitive_segments");
+  require(s.primitive_segments <= segments && s.primitive_segments >= triangles,
+          "statistics: primitive_segments");
+  require(s.steps_given == steps, "statistics: steps_given");
+  require(s.steps_kept <= steps && s.steps_kept >= meshes.size(), "statistics: steps_kept");
+  if (tolerance == kKeepAllSteps) {
+    require(s.primitive_segments == segments && s.steps_kept == steps && s.max_deviation == 0,
+            "statistics: all steps are kept");
+  }
 
   std::size_t nodes = 0, children = 0;
   for (std::size_t kind = 0; kind < s.nodes.size(); ++kind) {
@@ -143,7 +174,7 @@ void check_bounds(std::span<const MeshView> meshes, const Structure& structure, 
   if (!(time >= 0.0f && time <= 1.0f)) return;
   const Box3f box = structure.bounds_at(time);
   for (const MeshView& mesh : meshes) {
-    if (mesh.steps.size() > 1 && !(time >= mesh.time_range.begin && time <= mesh.time_range.end)) continue;
+    if (mesh.steps.size() > 1 && !(time >= alive(mesh).begin && time <= alive(mesh).end)) continue;
     for (const auto& triangle : valid_triangles(mesh)) {
       for (const std::uint32_t vertex : triangle) {
         const std::array<double, 3> p = position_at(mesh, time, vertex);

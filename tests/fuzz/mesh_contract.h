@@ -20,10 +20,11 @@ std::vector<std::array<std::uint32_t, 3>> valid_triangles(const MeshView& mesh);
 /// Whether there is a time in [0, 1] at which the mesh can be hit.
 bool is_ever_alive(const MeshView& mesh);
 
-/// Aborts unless the statistics are those of the meshes, and agree with each other.
-void check_statistics(std::span<const MeshView> meshes, const BuildStatistics& statistics);
+/// Aborts unless the statistics are those of the meshes built with `tolerance`, and agree with each other.
+void check_statistics(std::span<const MeshView> meshes, float tolerance, const BuildStatistics& statistics);
 
-/// Aborts unless all valid triangles lie in the structure's bounds at `time`.
+/// Aborts unless all valid triangles lie in the structure's bounds at `time`, within the rounding that steps
+/// are left out for.
 void check_bounds(std::span<const MeshView> meshes, const Structure& structure, float time);
 
 }  // namespace stbvh::fuzz

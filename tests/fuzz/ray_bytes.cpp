@@ -9,17 +9,23 @@ namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
+double time_of_step(const MeshView& mesh, double step) {
+  if (!mesh.step_times.empty()) return mesh.step_times[static_cast<std::size_t>(step)];
+  const double begin = mesh.time_range.begin, end = mesh.time_range.end;
+  return begin + step / static_cast<double>(mesh.steps.size() - 1) * (end - begin);
+}
+
 float take_time(ByteReader& in, const MeshView& mesh) {
   const std::uint8_t code = in.byte();
   if (code >= 0xF8) return in.number();
   const float share = static_cast<float>(in.byte()) / 255.0f;
-  const TimeRange range = mesh.time_range;
+  TimeRange range = mesh.time_range;
+  if (!mesh.step_times.empty()) range = {mesh.step_times.front(), mesh.step_times.back()};
   const float begin = std::clamp(range.begin, 0.0f, 1.0f), end = std::clamp(range.end, 0.0f, 1.0f);
   if (code < 0x60 || mesh.steps.size() == 1) return begin + share * (end - begin);
   const auto segments = static_cast<double>(mesh.steps.size() - 1);
   const double step = std::floor(share * segments + 0.5);
-  const double length = static_cast<double>(range.end) - range.begin;
-  auto time = static_cast<float>(range.begin + step / segments * length);
+  auto time = static_cast<float>(time_of_step(mesh, step));
   if (code % 4 == 1) time = std::nextafter(time, kInf);
   if (code % 4 == 2) time = std::nextafter(time, -kInf);
   return std::clamp(time, 0.0f, 1.0f);
@@ -28,15 +34,15 @@ float take_time(ByteReader& in, const MeshView& mesh) {
 std::array<double, 3> corner_at(const MeshView& mesh, std::uint32_t vertex, float time) {
   std::array<double, 3> p{};
   if (vertex >= mesh.steps[0].count) return p;
-  const auto segments = static_cast<double>(mesh.steps.size() - 1);
-  double u = 0;
+  const std::size_t segments = mesh.steps.size() - 1;
+  std::size_t k = 0;
+  double f = 0;
   if (segments > 0) {
-    const double length = static_cast<double>(mesh.time_range.end) - mesh.time_range.begin;
-    u = (static_cast<double>(time) - mesh.time_range.begin) / length * segments;
-    u = u >= 0 && u <= segments ? u : 0;  // also where it is NaN
+    while (k + 1 < segments && time_of_step(mesh, static_cast<double>(k + 1)) <= time) ++k;
+    const double begin = time_of_step(mesh, static_cast<double>(k));
+    f = (time - begin) / (time_of_step(mesh, static_cast<double>(k + 1)) - begin);
+    f = f >= 0 && f <= 1 ? f : 0;  // also where it is NaN
   }
-  const auto k = static_cast<std::size_t>(std::max(std::min(std::floor(u), segments - 1), 0.0));
-  const double f = u - static_cast<double>(k);
   for (std::size_t i = 0; i < 2 && k + i < mesh.steps.size(); ++i) {
     const VertexBufferView& step = mesh.steps[k + i];
     std::array<float, 3> q;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <map>
 #include <new>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -48,8 +49,10 @@ INSTANTIATE_TEST_SUITE_P(
         "error --scenes a.glb --steps 130", "error --scenes a.glb --steps 2.5",
         "error --scenes a.glb --steps auto", "error --scenes a.glb --steps auto:0",
         "error --scenes a.glb --steps auto:1", "error --scenes a.glb --steps auto:nan",
-        "error --scenes a.glb --steps auto:1e-3x", "error --scenes a.glb --shutter-mode bounce",
-        "error --scenes none.obj", "error --scenes /none/walk_%04d.obj", "error --scenes walk_%s.obj",
+        "error --resample-steps 1", "scaling --over steps --tolerance 1", "bench --resample-steps 130",
+        "bench --tolerance -1", "error --tolerance nan", "error --scenes a.glb --steps auto:1e-3x",
+        "error --scenes a.glb --shutter-mode bounce", "error --scenes none.obj",
+        "error --scenes /none/walk_%04d.obj", "error --scenes walk_%s.obj",
         "error --scenes a.glb --shutter 1", "error --scenes a.glb --shutter 1,0",
         "error --scenes a.glb --shutter 0,nan", "hard --families no-such", "hard --structures stbhv",
         "hard --count 0", "hard --threads 0", "hard --scenes wheels", "hard --rays bounce", "hard --seed x",
@@ -195,6 +198,30 @@ TEST_F(Records, OfScalingHoldEveryStepCountAndStructure) {
       EXPECT_GT(r["primitive_segments"], segments);
       segments = r["primitive_segments"];
     }
+  }
+}
+
+TEST_F(Records, OfBuildsSayWhichStepsWereKept) {
+  const std::string bench =
+      "bench --scenes wheels --scale 0.01 --structures embree,stbvh,stbvh-direct --rays uniform --count 100 "
+      "--repeats 1 --build-budget 0 --resample-steps 33 ";
+  const auto builds = [&](const std::string& options) {
+    std::map<std::string, nlohmann::json> found;
+    for (const auto& r : records(bench + options)) {
+      if (r["kind"] == "build") found[r["structure"]] = r;
+    }
+    return found;
+  };
+  auto exact = builds(""), coarse = builds("--tolerance 1e-2");
+  const std::size_t given = exact["embree"]["steps"];
+  EXPECT_EQ(exact["embree"]["steps_kept"], given);
+  EXPECT_EQ(given % 33, 0u);
+  for (const char* ours : {"stbvh", "stbvh-direct"}) {
+    EXPECT_LT(exact[ours]["steps_kept"], given) << "the ground stands still";
+    EXPECT_LT(coarse[ours]["steps_kept"], exact[ours]["steps_kept"]);
+    EXPECT_LT(coarse[ours]["structure_bytes"], exact[ours]["structure_bytes"]);
+    EXPECT_GT(coarse[ours]["max_deviation"], exact[ours]["max_deviation"]);
+    EXPECT_LE(coarse[ours]["max_deviation"], coarse[ours]["tolerance"]);
   }
 }
 

@@ -103,9 +103,9 @@ TEST_F(GltfStepsTest, RotationsNeedWhatTheSagittaSays) {
 TEST_F(GltfStepsTest, TheWarningSaysHowFarTheMostStepsStay) {
   Document d;
   turn_by_90_degrees(d, 0);
-  EXPECT_EQ(step_counts(d, 5e-6), Counts{kMaxSteps});
+  EXPECT_EQ(step_counts(d, 5e-6), Counts{kMaxSceneSteps});
   ASSERT_EQ(warnings.size(), 1u);
-  const double left = sagitta(std::sqrt(2.0), kPi / 2, kMaxSteps - 1) / kSweptDiagonal;
+  const double left = sagitta(std::sqrt(2.0), kPi / 2, kMaxSceneSteps - 1) / kSweptDiagonal;
   EXPECT_NE(warnings[0].find("1 of 1 meshes stay further than 5e-06"), std::string::npos) << warnings[0];
   EXPECT_NEAR(std::stod(warnings[0].substr(warnings[0].rfind(' ') + 1)), left, 0.1 * left) << warnings[0];
 }
@@ -118,11 +118,11 @@ TEST_F(GltfStepsTest, CornersOfThePathWantAStepThere) {
 }
 
 TEST_F(GltfStepsTest, JumpsAreBeyondAnyNumberOfSteps) {
-  EXPECT_EQ(step_counts(sliding({0, 0.4f, 1}, {0, 1, 1}, "STEP"), 1e-3), Counts{kMaxSteps});
+  EXPECT_EQ(step_counts(sliding({0, 0.4f, 1}, {0, 1, 1}, "STEP"), 1e-3), Counts{kMaxSceneSteps});
   EXPECT_EQ(warnings.size(), 1u);
   // A blip that is over between any two equidistant looks.
   EXPECT_EQ(step_counts(sliding({0, 0.44151f, 0.44152f, 0.44153f, 1}, {0, 0, 1, 0, 0}), 1e-2),
-            Counts{kMaxSteps});
+            Counts{kMaxSceneSteps});
   EXPECT_EQ(warnings.size(), 1u);
 }
 
@@ -179,7 +179,7 @@ TEST(GltfSteps, OfOurOwnFilesStayWithinTheTolerance) {
   for (const char* name : {"bending_tube", "morphing_sphere", "quantised_flag"}) {
     const fs::path file = kData / (std::string(name) + ".glb");
     GltfOptions exact, adaptive;
-    exact.steps = kMaxSteps;
+    exact.steps = kMaxSceneSteps;
     adaptive.largest_deviation = 2e-3;
     const Scene truth = load_gltf(file, exact), few = load_gltf(file, adaptive);
     const Box3f box = truth.bounds();
@@ -188,9 +188,9 @@ TEST(GltfSteps, OfOurOwnFilesStayWithinTheTolerance) {
     double worst = 0;
     for (std::size_t m = 0; m < truth.meshes.size(); ++m) {
       const std::vector<VertexBuffer>& steps = few.meshes[m].steps;
-      EXPECT_LT(steps.size(), kMaxSteps) << name;
+      EXPECT_LT(steps.size(), kMaxSceneSteps) << name;
       for (std::size_t s = 0; s < truth.meshes[m].steps.size(); ++s) {
-        const double along = static_cast<double>(s * (steps.size() - 1)) / (kMaxSteps - 1);
+        const double along = static_cast<double>(s * (steps.size() - 1)) / (kMaxSceneSteps - 1);
         const auto i = static_cast<std::size_t>(along);
         const double f = along - std::floor(along);
         const VertexBuffer &a = steps[i], &b = steps[std::min(i + 1, steps.size() - 1)];
@@ -216,8 +216,8 @@ TEST(GltfSteps, OfTheMastTheHubAndTheBladesThatJump) {
   ASSERT_EQ(scene.meshes.size(), 5u);
   EXPECT_EQ(scene.meshes[0].steps.size(), 1u);
   EXPECT_GT(scene.meshes[1].steps.size(), 2u);
-  EXPECT_LT(scene.meshes[1].steps.size(), kMaxSteps);
-  for (std::size_t blade = 2; blade < 5; ++blade) EXPECT_EQ(scene.meshes[blade].steps.size(), kMaxSteps);
+  EXPECT_LT(scene.meshes[1].steps.size(), kMaxSceneSteps);
+  for (std::size_t blade = 2; blade < 5; ++blade) EXPECT_EQ(scene.meshes[blade].steps.size(), kMaxSceneSteps);
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_NE(warnings[0].find("propeller.glb: 3 of 5 meshes"), std::string::npos) << warnings[0];
 }

@@ -179,8 +179,8 @@ TEST(Gltf, ClipsAndShutters) {
   expect_refused(file, "the shutter must open before it closes", {"", TimeRange{1, 0}, 2});
   expect_refused(file, "the shutter", {"", TimeRange{0, std::numeric_limits<float>::quiet_NaN()}, 2});
   expect_refused(file, "1 to 129 are possible", {"", {}, 0});
-  expect_refused(file, "1 to 129 are possible", {"", {}, kMaxSteps + 1});
-  EXPECT_EQ(load_gltf(file, {"", {}, kMaxSteps}).meshes[1].steps.size(), kMaxSteps);
+  expect_refused(file, "1 to 129 are possible", {"", {}, kMaxSceneSteps + 1});
+  EXPECT_EQ(load_gltf(file, {"", {}, kMaxSceneSteps}).meshes[1].steps.size(), kMaxSceneSteps);
 }
 
 TEST_F(GltfTest, IndexTypesAndTopologies) {

@@ -213,11 +213,11 @@ TEST_F(ObjTest, SequencesThatAreNoneAreRefused) {
   write_step("named/a.obj", 1);
   write_step("named/b2.obj", 1);
   expect_refused(at("named"), "there is no number in its name");
-  for (std::size_t i = 0; i < kMaxSteps + 1; ++i) write_step("long/w" + std::to_string(i) + ".obj", 1);
+  for (std::size_t i = 0; i < kMaxSceneSteps + 1; ++i) write_step("long/w" + std::to_string(i) + ".obj", 1);
   expect_refused(at("long"), "130 files, but at most 129 steps");
   expect_refused(at("long/w%d.obj"), "130 files, but at most 129 steps");
   fs::remove(at("long/w129.obj"));
-  EXPECT_EQ(load_obj(at("long")).meshes[0].steps.size(), kMaxSteps);
+  EXPECT_EQ(load_obj(at("long")).meshes[0].steps.size(), kMaxSceneSteps);
   fs::create_directories(folder / "empty");
   expect_refused(at("empty"), "has no .obj files");
   expect_refused(at("gap/v%d.obj"), "there is no such file");

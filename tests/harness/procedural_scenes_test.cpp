@@ -145,7 +145,7 @@ void expect_sound(const Scene& scene) {
   for (const Mesh& mesh : scene.meshes) {
     const std::string where = scene.name + ", " + mesh.name;
     ASSERT_FALSE(mesh.steps.empty()) << where;
-    EXPECT_LE(mesh.steps.size(), kMaxSteps) << where;
+    EXPECT_LE(mesh.steps.size(), kMaxSceneSteps) << where;
     EXPECT_GT(mesh.indices.size(), 0u) << where;
     EXPECT_EQ(mesh.indices.size() % 3, 0u) << where;
     std::size_t bad = 0;

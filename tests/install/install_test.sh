@@ -210,7 +210,7 @@ nodiscard() {
     case $language in c++*) compiler=("$cxx" -x c++) ;; *) compiler=("$cc" -x c) ;; esac
     for function in 'AddMesh(g, a, 0)' 'SetMesh(g, 0, a)' 'GetMesh(g, 0, a)' 'CommitGeometry(g)' 'GetStatistics(g, s)' \
       'SetGeometryPrecision(g, STBVH_PRECISION_FAST)' 'SetGeometryInlineShare(g, 1)' \
-      'SetGeometryProgressFunction(g, 0, 0)'; do
+      'SetGeometryTolerance(g, 0)' 'SetGeometryProgressFunction(g, 0, 0)'; do
       try() {
         # shellcheck disable=SC2046
         "${compiler[@]}" "-std=$language" "${warnings[@]}" -S -o /dev/null $(flags --cflags) - 2> "$work/nodiscard.log" << END

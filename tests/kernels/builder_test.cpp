@@ -124,8 +124,15 @@ TEST(Builder, UnreadableMeshesAreRefused) {
   expect_refused([](MeshView& v) { v.time_range = {0.5f, 0.5f}; });
   expect_refused([](MeshView& v) { v.time_range = {1.0f, 0.0f}; });
   expect_refused([](MeshView& v) { v.time_range = {std::numeric_limits<float>::quiet_NaN(), 1.0f}; });
-  std::vector<VertexBufferView> steps(130, mesh.steps[0]);
+  std::vector<VertexBufferView> steps(kMaxSteps + 1, mesh.steps[0]);
   expect_refused([&](MeshView& v) { v.steps = steps; });
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(),
+                  kInf = std::numeric_limits<float>::infinity();
+  const std::vector<std::vector<float>> bad_times{{0, 1},          {0, 0.5f, 0.75f, 1}, {0, 0.5f, 0.5f},
+                                                  {0, 1, 0.5f},    {0, kNan, 1},        {-kInf, 0, 1},
+                                                  {0, 0.5f, kInf}, {0, 1e-40f, 1},      {-3e38f, 0, 3e38f}};
+  for (const std::vector<float>& times : bad_times)
+    expect_refused([&](MeshView& v) { v.step_times = times; });
   steps.resize(2);
   steps[1].data = nullptr;
   expect_refused([&](MeshView& v) { v.steps = steps; });

@@ -28,7 +28,7 @@ class Meshlets {
       : source_(std::move(source)),
         callbacks_(std::move(callbacks)),
         context_(callbacks_),
-        mesh_(source_.view(), 0),
+        mesh_(source_.view(), 0, kKeepAllSteps),
         set_(make_meshlets(context_, mesh_)) {}
   Meshlets(const Meshlets&) = delete;
   Meshlets& operator=(const Meshlets&) = delete;

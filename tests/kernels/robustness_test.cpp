@@ -54,6 +54,13 @@ std::vector<TestMesh> mixed_grids(bool ranges_touch) {
   return meshes;
 }
 
+/// One step at 0, the others in the last hundredth.
+std::vector<float> long_and_short(std::size_t steps) {
+  std::vector<float> times = test::uneven_times(steps - 1, 5, 0.99f, 1.0f);
+  times.insert(times.begin(), 0.0f);
+  return times;
+}
+
 std::vector<Scene> all_scenes() {
   constexpr TimeRange kInner{0.1f, 0.9f};
   std::vector<Scene> scenes;
@@ -73,6 +80,16 @@ std::vector<Scene> all_scenes() {
   add("mixed_grids", 1, mixed_grids(false));
   add("mixed_grids_one_after_the_other", 1, mixed_grids(true));
   add("fast_motion", 1, {ordinary(50, 7, 14, 5.0f, 1e-3f), ordinary(20, 65, 15, 5.0f, 1e-3f)});
+  add("uneven_steps", 1,
+      {at_times(ordinary(50, 9, 23), test::uneven_times(9, 1)), ordinary(20, 5, 24), ordinary(10, 1, 25)});
+  add("uneven_steps_beyond_the_shutter", 1,
+      {at_times(ordinary(40, 17, 26), test::uneven_times(17, 2, -0.5f, 1.5f)),
+       at_times(ordinary(20, 33, 27), test::uneven_times(33, 3, 0.25f, 0.75f))});
+  add("uneven_steps_1000", 1, {at_times(ordinary(20, 1000, 28), test::uneven_times(1000, 4))});
+  add("steps_an_ulp_apart", 1,
+      {at_times(ordinary(40, 6, 29),
+                {0.0f, std::nextafter(0.5f, 0.0f), 0.5f, std::nextafter(0.5f, 1.0f), 0.75f, 1.0f})});
+  add("one_long_step_and_many_short", 1, {at_times(ordinary(40, 34, 30), long_and_short(34))});
   add("needles", 1, {needles(40, 9, 16), needles(20, 1, 17)});
   add("needles_at_offset_1e3", 1, {placed(needles(60, 5, 18), 1, 1e3f)});
   add("flat", 1, {flat(50, 5, 19, false), flat(20, 1, 20, false)});
@@ -84,14 +101,14 @@ std::vector<Scene> all_scenes() {
 
 /// A point of a triangle (inside, on an edge or a corner) at `time`, rounded once.
 Vec3f point_on(const TestMesh& mesh, std::size_t triangle, float time, Random& random) {
-  double u = 0.0;
-  const auto segments = static_cast<double>(mesh.positions.size() - 1);
+  const std::size_t segments = mesh.positions.size() - 1;
+  std::size_t k = 0;
+  while (k + 1 < segments && mesh.time_of_step(k + 1) <= time) ++k;
+  double f = 0.0;
   if (segments > 0) {
-    const double begin = mesh.time_range.begin, end = mesh.time_range.end;
-    u = std::clamp((time - begin) / (end - begin), 0.0, 1.0) * segments;
+    const double begin = mesh.time_of_step(k), end = mesh.time_of_step(k + 1);
+    f = std::clamp((time - begin) / (end - begin), 0.0, 1.0);
   }
-  const auto k = static_cast<std::size_t>(std::min(std::floor(u), std::max(segments - 1, 0.0)));
-  const double f = u - static_cast<double>(k);
   double weight[3] = {random.unit(), random.unit(), random.unit()};
   const std::uint32_t kind = random.bits() % 4;
   if (kind < 2) weight[random.bits() % 3] = 0.0;  // an edge, or, with the next line, perhaps a corner
@@ -116,9 +133,7 @@ float random_time(const TestMesh& mesh, Random& random) {
   float time = random.between(range.begin, range.end);
   const std::uint32_t kind = random.bits() % 8;
   if (kind < 5 && mesh.positions.size() > 1) {
-    const auto segments = static_cast<std::uint32_t>(mesh.positions.size() - 1);
-    const double share = static_cast<double>(random.bits() % (segments + 1)) / segments;
-    time = static_cast<float>(range.begin + share * (static_cast<double>(range.end) - range.begin));
+    time = mesh.time_of_step(random.bits() % static_cast<std::uint32_t>(mesh.positions.size()));
     if (kind == 3) time = std::nextafter(time, 2.0f);
     if (kind == 4) time = std::nextafter(time, -1.0f);
   }

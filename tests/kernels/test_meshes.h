@@ -1,6 +1,7 @@
 /// Small animated meshes for the tests of the kernels.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <functional>
@@ -29,8 +30,16 @@ struct TestMesh {
   std::vector<std::vector<Vec3f>> positions;  ///< [step][vertex]
   std::vector<VertexBufferView> steps;
   TimeRange time_range;
+  std::vector<float> step_times = {};  ///< empty: equidistant
   std::uint32_t mask = 0xFFFFFFFFu;
   std::uint32_t geom_id = 0;
+
+  float time_of_step(std::size_t step) const {
+    if (!step_times.empty()) return step_times[step];
+    const double share = static_cast<double>(step) / static_cast<double>(positions.size() - 1);
+    return static_cast<float>(time_range.begin +
+                              share * (static_cast<double>(time_range.end) - time_range.begin));
+  }
 
   MeshView view() {
     steps.clear();
@@ -40,6 +49,7 @@ struct TestMesh {
     v.triangle_count = indices.size() / 3;
     v.steps = steps;
     v.time_range = time_range;
+    v.step_times = step_times;
     v.mask = mask;
     v.geom_id = geom_id;
     return v;
@@ -58,6 +68,27 @@ inline TestMesh placed(TestMesh mesh, float scale, float offset) {
 inline TestMesh timed(TestMesh mesh, TimeRange range) {
   mesh.time_range = range;
   return mesh;
+}
+
+/// The mesh with its steps at `times`.
+inline TestMesh at_times(TestMesh mesh, std::vector<float> times) {
+  mesh.time_range = {times.front(), times.back()};
+  mesh.step_times = std::move(times);
+  return mesh;
+}
+
+/// Strictly increasing, from `begin` to `end`, mostly near to each other.
+inline std::vector<float> uneven_times(std::size_t steps, std::uint32_t seed, float begin = 0.0f,
+                                       float end = 1.0f) {
+  Random random(seed);
+  std::vector<float> times{begin, end};
+  while (times.size() < steps) {
+    const float x = random.unit();
+    times.push_back(begin + (end - begin) * x * x * x);
+    std::sort(times.begin(), times.end());
+    times.erase(std::unique(times.begin(), times.end()), times.end());
+  }
+  return times;
 }
 
 using Motion = std::function<Vec3f(Vec3f, float)>;

@@ -42,6 +42,21 @@ TEST(TightestBounds, TheyContainEverySample) {
   }
 }
 
+/// Steps an ulp apart have one parameter, which is rounded; none of them may be left out.
+TEST(TightestBounds, SeveralSamplesAtOneTime) {
+  test::Random random(3);
+  for (std::size_t count = 3; count <= 40; ++count) {
+    for (int repeat = 0; repeat < 50; ++repeat) {
+      std::vector<BoundsSample> samples = random_samples(random, count);
+      for (std::size_t i = 1; i < count; ++i) {
+        if (random.bits() % 2 == 0) samples[i].parameter = samples[i - 1].parameter;
+      }
+      samples.back().parameter = 1.0f;
+      expect_contains(tightest_at_centre(samples), samples);
+    }
+  }
+}
+
 /// What the paper's reference does: the line through the first and the last sample, moved outwards by the
 /// worst violation of a sample between them.
 LinearBounds shifted_chord(std::span<const BoundsSample> samples) {

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "builder/build_mesh.h"
+#include "test_meshes.h"
 
 namespace stbvh {
 namespace {
@@ -32,6 +34,36 @@ TEST(TimeGrid, EndsOfAnyRangeStayInside) {
       EXPECT_EQ(segment_at(g, end).segment, static_cast<std::uint32_t>(segments - 1));
       EXPECT_EQ(segment_at(g, end).fraction, 1.0f);
     }
+  }
+}
+
+/// Looked for from any segment that has begun, at step times, beside them and between.
+TEST(TimeGrid, SegmentsOfUnevenSteps) {
+  test::Random random(9);
+  for (const std::size_t steps : {3u, 4u, 9u, 130u, 4096u}) {
+    const std::vector<float> times =
+        test::uneven_times(steps, static_cast<std::uint32_t>(steps), -0.25f, 1.5f);
+    const auto last = static_cast<std::uint32_t>(steps - 2);
+    for (int i = 0; i < test::count(2000); ++i) {
+      float time = random.between(times.front(), times.back());
+      if (i % 2 == 0) time = times[random.bits() % steps];
+      if (i % 4 == 0) time = std::nextafter(time, i % 8 == 0 ? 2.0f : -2.0f);
+      time = std::clamp(time, times.front(), times.back());
+      std::uint32_t expected = 0;
+      while (expected < last && times[expected + 1] <= time) ++expected;
+      const std::uint32_t firsts[] = {0, expected,
+                                      static_cast<std::uint32_t>(random.bits()) % (expected + 1)};
+      for (const std::uint32_t first : firsts) {
+        const SegmentTime at = segment_among(times.data(), first, last, time);
+        ASSERT_EQ(at.segment, expected) << steps << " steps, from " << first << ", time " << time;
+        ASSERT_GE(at.fraction, 0.0f);
+        ASSERT_LE(at.fraction, 1.0f);
+        const double exact =
+            (double{time} - times[expected]) / (double{times[expected + 1]} - times[expected]);
+        ASSERT_NEAR(at.fraction, exact, 0x1p-22);
+      }
+    }
+    EXPECT_EQ(segment_among(times.data(), 0, last, times.back()).fraction, 1.0f);
   }
 }
 

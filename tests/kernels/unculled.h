@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "kernels/layout/time_grid.h"
+#include "kernels/builder/build_mesh.h"
 #include "off_plane.h"
 #include "test_meshes.h"
 
@@ -52,11 +52,11 @@ class Unculled {
     std::unique_ptr<Structure> leaf;
     std::uint32_t prim;
     std::vector<Corners> steps;  ///< read by `leaf`
-    TimeGrid grid;
+    const BuildMesh* mesh;
 
     double off_plane_of(const Ray& ray, float t) const {
       if (steps.size() == 1) return off_plane(steps[0], steps[0], 0.0f, ray, t);
-      const SegmentTime at = segment_at(grid, ray.time);
+      const SegmentTime at = mesh->segment_at(ray.time);
       return off_plane(steps[at.segment], steps[at.segment + 1], at.fraction, ray, t);
     }
   };
@@ -69,7 +69,10 @@ class Unculled {
     return p;
   }
 
-  void add(const MeshView& mesh) {
+  /// With the steps that a structure keeps by default.
+  void add(const MeshView& given) {
+    meshes_.push_back(std::make_unique<BuildMesh>(given, meshes_.size(), BuildSettings{}.tolerance));
+    const MeshView& mesh = meshes_.back()->view();
     constexpr std::array<std::uint32_t, 3> kOwnVertices{0, 1, 2};
     constexpr Corners kAtRest{Vec3f{0, 0, 0}, Vec3f{1, 0, 0}, Vec3f{0, 1, 0}};
     for (std::size_t prim = 0; prim < mesh.triangle_count; ++prim) {
@@ -85,18 +88,17 @@ class Unculled {
       one.steps = steps;
       BuildSettings indexed;
       indexed.inline_share = 0.0f;
+      indexed.tolerance = kKeepAllSteps;  // they begin to move when their buffers are filled
       auto leaf = Structure::build({&one, 1}, indexed);
       if (leaf->statistics().triangles == 0) continue;  // a mesh that is never alive
       if (leaf->statistics().depth != 0) throw std::logic_error("a triangle at rest is more than a leaf");
       for (std::size_t k = 0; k < steps.size(); ++k) corners_of_steps[k] = corners(mesh.steps[k], vertices);
-      const TimeRange range = mesh.time_range;
-      const TimeGrid grid{range.begin, range.end, range.end - range.begin,
-                          static_cast<float>(mesh.steps.size() - 1)};
-      triangles_.push_back(
-          {std::move(leaf), static_cast<std::uint32_t>(prim), std::move(corners_of_steps), grid});
+      triangles_.push_back({std::move(leaf), static_cast<std::uint32_t>(prim), std::move(corners_of_steps),
+                            meshes_.back().get()});
     }
   }
 
+  std::vector<std::unique_ptr<BuildMesh>> meshes_;
   std::vector<Triangle> triangles_;
 };
 

@@ -35,8 +35,8 @@ TEST_F(PluginArguments, OfMeshes) {
   EXPECT_STREQ(stbvhGetErrorMessage(geometry_.get()), "");
   expect_refused([](auto& a) { a.byteSize = 0; }, "byteSize");
   expect_refused([](auto& a) { a.byteSize += 8; }, "byteSize");
-  expect_refused([](auto& a) { a.stepCount = 0; }, "stepCount must be 1 to 129, not 0");
-  expect_refused([](auto& a) { a.stepCount = 130; }, "not 130");
+  expect_refused([](auto& a) { a.stepCount = 0; }, "stepCount must be 1 to 4096, not 0");
+  expect_refused([](auto& a) { a.stepCount = 4097; }, "not 4097");
   expect_refused([](auto& a) { a.indices = nullptr; }, "indices");
   expect_refused([](auto& a) { a.indices = static_cast<const char*>(a.indices) + 1; }, "aligned");
   expect_refused([](auto& a) { a.indexByteStride = 8; }, "indexByteStride");
@@ -138,6 +138,7 @@ TEST_F(PluginArguments, Null) {
   EXPECT_EQ(stbvhCommitGeometry(nullptr), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhSetGeometryPrecision(nullptr, STBVH_PRECISION_FAST), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhSetGeometryInlineShare(nullptr, 0.5f), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(stbvhSetGeometryTolerance(nullptr, 0.0f), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhSetGeometryProgressFunction(nullptr, nullptr, nullptr), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhGetGeometry(nullptr), nullptr);
   EXPECT_EQ(stbvhGetMeshCount(nullptr), 0u);
@@ -156,6 +157,39 @@ TEST_F(PluginArguments, InlineShareOutOfRange) {
   for (const float share : {0.0f, 0.5f, 1.0f}) {
     EXPECT_EQ(stbvhSetGeometryInlineShare(geometry_.get(), share), RTC_ERROR_NONE) << share;
   }
+}
+
+TEST_F(PluginArguments, ToleranceOutOfRange) {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const float tolerance : {-0.5f, -2.0f, nan, std::numeric_limits<float>::infinity()}) {
+    EXPECT_EQ(stbvhSetGeometryTolerance(geometry_.get(), tolerance), RTC_ERROR_INVALID_ARGUMENT) << tolerance;
+  }
+  for (const float tolerance : {0.0f, 1e-3f, STBVH_KEEP_ALL_STEPS}) {
+    EXPECT_EQ(stbvhSetGeometryTolerance(geometry_.get(), tolerance), RTC_ERROR_NONE) << tolerance;
+  }
+}
+
+TEST_F(PluginArguments, StepTimesThatDoNotIncrease) {
+  StbvhMeshArguments arguments = arguments_of(mesh_, pointers_);
+  ASSERT_GE(arguments.stepCount, 2u);
+  std::vector<float> times(arguments.stepCount);
+  for (std::size_t i = 0; i < times.size(); ++i) times[i] = static_cast<float>(i * i);
+  arguments.stepTimes = times.data();
+  arguments.startTime = arguments.endTime = std::numeric_limits<float>::quiet_NaN();  // not looked at
+  ASSERT_EQ(stbvhAddMesh(geometry_.get(), &arguments, nullptr), RTC_ERROR_NONE)
+      << stbvhGetErrorMessage(geometry_.get());
+  StbvhMeshArguments read;
+  stbvhInitMeshArguments(&read);
+  ASSERT_EQ(stbvhGetMesh(geometry_.get(), 0, &read), RTC_ERROR_NONE);
+  ASSERT_NE(read.stepTimes, times.data());
+  EXPECT_TRUE(std::equal(times.begin(), times.end(), read.stepTimes));
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const float bad : {times[0], -1.0f, 1e-40f, nan, std::numeric_limits<float>::infinity()}) {
+    times[1] = bad;
+    EXPECT_EQ(stbvhSetMesh(geometry_.get(), 0, &arguments), RTC_ERROR_INVALID_ARGUMENT) << bad;
+    EXPECT_NE(std::string(stbvhGetErrorMessage(geometry_.get())).find("step times"), std::string::npos);
+  }
+  EXPECT_EQ(stbvhCommitGeometry(geometry_.get()), RTC_ERROR_NONE);
 }
 
 TEST_F(PluginArguments, MeshIndexOutOfRange) {
@@ -271,6 +305,7 @@ TEST_F(PluginArguments, EmbreeRefusesScenesWithAGeometryThatChangedSince) {
       [&] { return stbvhSetMesh(g, 0, &arguments); },
       [&] { return stbvhSetGeometryPrecision(g, STBVH_PRECISION_FAST); },
       [&] { return stbvhSetGeometryInlineShare(g, 0.5f); },
+      [&] { return stbvhSetGeometryTolerance(g, 0.5f); },
   };
   for (const auto& change : changes) {
     ASSERT_EQ(stbvhCommitGeometry(g), RTC_ERROR_NONE);

@@ -70,6 +70,45 @@ TEST(PluginMotionGrid, ContainsEveryMeshAtEveryTime) {
   }
 }
 
+/// Steps at times of their own, any number of them: Embree is told equidistant ones, at most 129.
+TEST(PluginMotionGrid, ContainsUnevenStepsAtEveryTime) {
+  Random random(4);
+  for (unsigned round = 0; round < 100; ++round) {
+    std::vector<MeshMotion> motions;
+    for (unsigned i = 0; i < 1 + round % 3; ++i) {
+      MeshMotion motion = random_motion(random, 1);
+      const std::size_t steps = round % 10 == 0 ? 1000 : 2 + random.below(30);
+      motion.steps.resize(steps, motion.steps[0]);
+      std::vector<float> times(steps);
+      for (float& time : times) time = random.unit();
+      if (round % 4 == 0) times[1] = std::nextafter(times[0], 2.0f);
+      std::sort(times.begin(), times.end());
+      if (std::adjacent_find(times.begin(), times.end()) != times.end()) continue;
+      for (Box3f& box : motion.steps) {
+        const float x = random.between(-1, 1);
+        box = {{x, -x, x}, {x + .1f, .1f - x, x}};
+      }
+      motion.time_range = {times.front(), times.back()};
+      motion.step_times = times;
+      motions.push_back(motion);
+    }
+    const MotionGrid grid = fit_motion_grid(motions);
+    ASSERT_LE(grid.steps.size(), 129u);
+    for (const MeshMotion& motion : motions) {
+      for (std::size_t i = 0; i + 1 < motion.steps.size(); ++i) {
+        for (const float f : {0.0f, 0.25f, 1.0f}) {
+          const float begin = motion.step_times[i], end = motion.step_times[i + 1];
+          const float time = std::clamp(begin + f * (end - begin), begin, end);
+          const float exact = (time - begin) / (end - begin);
+          const Box3f box = box_at({motion.steps[i], motion.steps[i + 1]}, {0, 1}, exact);
+          ASSERT_TRUE(contains(box_at(grid.steps, grid.time_range, time), box))
+              << "round " << round << " time " << time;
+        }
+      }
+    }
+  }
+}
+
 TEST(PluginMotionGrid, OfOneMeshIsItsOwn) {
   Random random(2);
   MeshMotion motion = random_motion(random, 1);

@@ -37,10 +37,10 @@ Between key_at(std::size_t step, std::size_t steps, std::size_t keys) {
 std::size_t common_steps(std::size_t a, std::size_t b) {
   if (a < 2 || b < 2) return std::max(a, b);
   const std::size_t steps = std::lcm(a - 1, b - 1) + 1;
-  if (steps > kMaxSteps) {
+  if (steps > kMaxSceneSteps) {
     throw Problem(
         fmt::format("a motion of {} keys under one of {} keys needs {} common steps; {} are possible", b, a,
-                    steps, kMaxSteps));
+                    steps, kMaxSceneSteps));
   }
   return steps;
 }
@@ -59,8 +59,8 @@ Affine interpolated(const std::vector<Affine>& keys, Between at) {
 
 /// `child` inside `parent`.
 Placement composed(const Placement& parent, const Transform& child) {
-  if (child.keys.size() > kMaxSteps)
-    throw Problem(fmt::format("a transform has {} keys; {} are possible", child.keys.size(), kMaxSteps));
+  if (child.keys.size() > kMaxSceneSteps)
+    throw Problem(fmt::format("a transform has {} keys; {} are possible", child.keys.size(), kMaxSceneSteps));
   if (parent.keys.empty()) return {child.keys, child.time_range};
   Placement result;
   const bool child_moves = child.keys.size() > 1;

@@ -17,7 +17,7 @@ std::vector<VertexBuffer> read_steps(Document& document, pugi::xml_node element)
   if (const pugi::xml_node animation = element.child("animated_positions")) {
     for (const pugi::xml_node step : animation.children()) {
       if (step.type() != pugi::node_element) continue;
-      if (steps.size() == kMaxSteps) fail(element, "a mesh has more than {} steps", kMaxSteps);
+      if (steps.size() == kMaxSceneSteps) fail(element, "a mesh has more than {} steps", kMaxSceneSteps);
       steps.push_back(document.positions(step));
     }
   } else {

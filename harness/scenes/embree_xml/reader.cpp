@@ -120,8 +120,8 @@ class Reader {
         return nullptr;
       }
       if (name != "AffineSpace") break;
-      if (keys.keys.size() == kMaxSteps)
-        fail(element, "a <{}> has more than {} keys", element.name(), kMaxSteps);
+      if (keys.keys.size() == kMaxSceneSteps)
+        fail(element, "a <{}> has more than {} keys", element.name(), kMaxSceneSteps);
       keys.keys.push_back(read_affine_space(document_, child));
     }
     if (keys.keys.empty()) fail(element, "a <{}> does not begin with an <AffineSpace>", element.name());

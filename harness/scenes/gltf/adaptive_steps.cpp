@@ -51,7 +51,7 @@ class StepChooser {
       : primitive_(primitive), timeline_(timeline), keys_(timeline.key_fractions()), tolerance_(tolerance) {}
 
   AdaptiveSteps run() {
-    for (std::size_t count = 1; count < kMaxSteps; ++count) {
+    for (std::size_t count = 1; count < kMaxSceneSteps; ++count) {
       if (is_refused_by_a_witness(count)) continue;
       std::vector<VertexBuffer> steps = make_steps(count);
       const Witness worst = worst_of(steps, true);
@@ -59,7 +59,7 @@ class StepChooser {
       if (witnesses_.size() == kMostWitnesses) witnesses_.erase(witnesses_.begin());
       witnesses_.push_back(worst);
     }
-    std::vector<VertexBuffer> steps = make_steps(kMaxSteps);
+    std::vector<VertexBuffer> steps = make_steps(kMaxSceneSteps);
     const double deviation = worst_of(steps, false).deviation;
     return {std::move(steps), deviation};
   }

@@ -14,9 +14,9 @@ struct AdaptiveSteps {
   double deviation = 0;  ///< largest distance between a vertex and its true place that was found
 };
 
-/// The least number of equidistant steps, 1 to kMaxSteps, between which no vertex is further than `tolerance`
-/// from its true place at the same time; kMaxSteps where even those do not follow the curve. The curve is
-/// looked at 9 times or more between two steps, 63 times or more in all, and at all keys.
+/// The least number of equidistant steps, 1 to kMaxSceneSteps, between which no vertex is further than
+/// `tolerance` from its true place at the same time; kMaxSceneSteps where even those do not follow the curve.
+/// The curve is looked at 9 times or more between two steps, 63 times or more in all, and at all keys.
 AdaptiveSteps choose_steps(const Primitive& primitive, const Timeline& timeline, double tolerance);
 
 }  // namespace stbvh::harness::gltf

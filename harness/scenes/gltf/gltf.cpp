@@ -259,7 +259,7 @@ std::vector<Steps> adaptive_steps(const std::vector<Part>& parts, const Timeline
     warn(
         fmt::format("{} of {} meshes stay further than {:.3g} of the diagonal from their true places even "
                     "with {} steps; the furthest {:.3g}",
-                    too_few, parts.size(), share, kMaxSteps, worst / diagonal));
+                    too_few, parts.size(), share, kMaxSceneSteps, worst / diagonal));
   }
   return result;
 }
@@ -277,8 +277,8 @@ Mesh make_mesh(const Part& part, Steps steps) {
 }
 
 void check_options(const GltfOptions& options) {
-  if (options.steps < 1 || options.steps > kMaxSteps) {
-    fail("{} steps are asked for, but only 1 to {} are possible", options.steps, kMaxSteps);
+  if (options.steps < 1 || options.steps > kMaxSceneSteps) {
+    fail("{} steps are asked for, but only 1 to {} are possible", options.steps, kMaxSceneSteps);
   }
   if (options.largest_deviation && !(*options.largest_deviation > 0 && *options.largest_deviation < 1)) {
     fail("a deviation of {} diagonals is asked for, but it must lie between 0 and 1",
@@ -295,7 +295,7 @@ Scene load(const std::filesystem::path& file, const GltfOptions& options, const 
   const NodeTree tree(model);
   const std::vector<std::size_t> nodes = nodes_of_scene(model, tree, options.scene, warn);
   const std::optional<ClipSource> clip_source = find_clip(model, options.clip);
-  const std::size_t most_steps = options.largest_deviation ? kMaxSteps : options.steps;
+  const std::size_t most_steps = options.largest_deviation ? kMaxSceneSteps : options.steps;
   check_sizes(model, tree, nodes, clip_source ? &*clip_source : nullptr, most_steps);
   warn_of_what_is_left_out(model, nodes, clip_source ? &*clip_source : nullptr, warn);
 

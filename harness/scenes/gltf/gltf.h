@@ -20,9 +20,9 @@ enum class ShutterMode {
 struct GltfOptions {
   std::string clip;                          ///< name or index of the animation; empty: the first
   std::optional<TimeRange> shutter_seconds;  ///< part of the clip, or more; default: all of it
-  std::size_t steps = 9;                     ///< key positions of each moving mesh, 1 to kMaxSteps
-  /// If there is one, each mesh has as few steps, up to kMaxSteps, as keep all vertices this close to their
-  /// true places; a share, between 0 and 1, of the diagonal of the scene's bounds over the shutter.
+  std::size_t steps = 9;                     ///< key positions of each moving mesh, 1 to kMaxSceneSteps
+  /// If there is one, each mesh has as few steps, up to kMaxSceneSteps, as keep all vertices this close to
+  /// their true places; a share, between 0 and 1, of the diagonal of the scene's bounds over the shutter.
   std::optional<double> largest_deviation = std::nullopt;
   ShutterMode shutter_mode = ShutterMode::kClamp;
   std::string scene{};  ///< name or index; empty: the default one, or the first that has a mesh
@@ -32,8 +32,8 @@ struct GltfOptions {
 /// in depth-first order of the scene, one Mesh for each of their instances; one that does not move gets one
 /// step. One that the animation shows and hides is a Mesh, with a time range of its own, for each time that
 /// it is to be seen. The camera is the file's first, or one that sees everything. Tells `warn` a sentence for
-/// each kind of thing that is left out, and where kMaxSteps steps are not enough for `largest_deviation`.
-/// Throws SceneFileError.
+/// each kind of thing that is left out, and where kMaxSceneSteps steps are not enough for
+/// `largest_deviation`. Throws SceneFileError.
 Scene load_gltf(const std::filesystem::path& file, const GltfOptions& options = {},
                 const SceneWarning& warn = {});
 

@@ -13,7 +13,7 @@
 namespace stbvh::harness::gltf {
 namespace {
 
-/// Enough for kMaxSteps positions as floats of each vertex that stands in the file as three shorts.
+/// Enough for kMaxSceneSteps positions as floats of each vertex that stands in the file as three shorts.
 constexpr double kMaxExpansion = 300;
 constexpr double kFreeBytes = 1 << 30;
 /// Of a mesh without vertices: names, buffers, what structures keep of it.

@@ -20,9 +20,9 @@ Timeline::Timeline(const Rig& rig, const Clip* clip, const GltfOptions& options)
   if (!std::isfinite(begin_) || !std::isfinite(end_) || (needs_duration && begin_ >= end_)) {
     fail("the shutter must open before it closes, but {} to {} seconds is asked for", begin_, end_);
   }
-  if (loops_ && (end_ - begin_) / period() > kMaxSteps) {
+  if (loops_ && (end_ - begin_) / period() > kMaxSceneSteps) {
     fail("a shutter of {} seconds repeats a clip of {} seconds more than {} times", end_ - begin_, period(),
-         kMaxSteps);
+         kMaxSceneSteps);
   }
 }
 

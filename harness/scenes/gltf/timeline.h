@@ -13,7 +13,7 @@ namespace stbvh::harness::gltf {
 class Timeline {
  public:
   /// Keeps a reference to `rig`. Throws Problem for shutters that do not open, and for those that repeat a
-  /// clip more than kMaxSteps times.
+  /// clip more than kMaxSceneSteps times.
   Timeline(const Rig& rig, const Clip* clip, const GltfOptions& options);
 
   /// The same of another rig, during [begin, end] of it.

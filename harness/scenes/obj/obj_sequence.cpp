@@ -183,8 +183,8 @@ std::string step_hint(const std::vector<NumberedFile>& files) {
 
 /// Refuses gaps and what is there twice, or between.
 void check_numbers(const std::vector<NumberedFile>& files, const std::string& name, std::size_t step) {
-  if (files.size() > kMaxSteps)
-    fail("{}: there are {} files, but at most {} steps are possible", name, files.size(), kMaxSteps);
+  if (files.size() > kMaxSceneSteps)
+    fail("{}: there are {} files, but at most {} steps are possible", name, files.size(), kMaxSceneSteps);
   for (std::size_t i = 1; i < files.size(); ++i) {
     const NumberedFile &last = files[i - 1], &file = files[i];
     const std::uint64_t apart = distance(last.number, file.number);

@@ -20,7 +20,7 @@ std::string obj_scene_name(const std::string& name);
 /// one $F as in Houdini, for a number of any width; or all .obj files of a folder, by the last number in
 /// their names, which are otherwise the same. Numbers may be negative; they go up by `number_step` from the
 /// least. Hidden files of a folder are left out and named to `warn`. Throws SceneFileError, which names the
-/// file, for others that do not fit in, and for more than kMaxSteps.
+/// file, for others that do not fit in, and for more than kMaxSceneSteps.
 std::vector<std::filesystem::path> find_obj_files(const std::string& name, const SceneWarning& warn = {},
                                                   std::size_t number_step = 1);
 

@@ -11,8 +11,8 @@
 
 namespace stbvh {
 
-/// Most steps a mesh may have (as in Embree: 129, that is 128 segments).
-inline constexpr std::size_t kMaxSteps = 129;
+/// Most steps a mesh may have (Embree takes 129).
+inline constexpr std::size_t kMaxSteps = 4096;
 
 /// Positions are finite and smaller than this in magnitude (as in Embree), or their triangles are left out.
 inline constexpr float kMaxCoordinate = 1.844e18f;
@@ -39,19 +39,20 @@ struct VertexBufferView {
 /// The vertices of a triangle.
 using TriangleIndices = std::array<std::uint32_t, 3>;
 
-/// A triangle mesh with one vertex buffer for each step, equidistant over `time_range` in global ray time.
+/// A triangle mesh with one vertex buffer for each step, in global ray time.
 ///
 /// With one step the mesh is static, at p_0 for all times. With more it moves linearly from step to step
-/// and is not hit at times outside `time_range`: p(t) = (1-f) p_k + f p_{k+1} (docs/algorithm.md).
+/// and is not hit before the first or after the last: p(t) = (1-f) p_k + f p_{k+1} (docs/algorithm.md).
 /// The buffers must live as long as a structure built from them: indexed leaves read them.
 struct MeshView {
   const void* indices = nullptr;  ///< 3 x uint32 for each triangle, `index_stride` bytes apart
   std::size_t triangle_count = 0;
   std::size_t index_stride = 3 * sizeof(std::uint32_t);
   std::span<const VertexBufferView> steps;  ///< 1 to kMaxSteps buffers
-  TimeRange time_range;
-  std::uint32_t mask = 0xFFFFFFFFu;  ///< hit only by rays with (ray.mask & mask) != 0
-  std::uint32_t geom_id = 0;         ///< reported in hits
+  TimeRange time_range;                     ///< over which the steps are equidistant, without step_times
+  std::span<const float> step_times;        ///< of each step, strictly increasing; empty: equidistant
+  std::uint32_t mask = 0xFFFFFFFFu;         ///< hit only by rays with (ray.mask & mask) != 0
+  std::uint32_t geom_id = 0;                ///< reported in hits
 
   TriangleIndices triangle(std::size_t prim) const {
     TriangleIndices triangle;
@@ -61,7 +62,7 @@ struct MeshView {
 };
 
 /// Whether a mesh can move over `range`: it is finite, and its length a normal float (1.18e-38) or more,
-/// where denormal ends count as 0.
+/// where denormal ends count as 0. Two steps must be as far apart.
 bool is_usable(const TimeRange& range);
 
 /// What keeps a mesh from being built, in a few words behind its name ("has no steps"); null: nothing. No

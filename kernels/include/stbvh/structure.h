@@ -29,9 +29,10 @@ struct BuildCallbacks {
   std::function<bool(std::ptrdiff_t bytes)> temporary_memory;
   /// Told the fraction done, 0 to 1, never decreasing, one call at a time. Returns false to cancel the build.
   std::function<bool(double fraction)> progress;
-  /// Told of each mesh, one after another, the exact boxes of its valid triangles at its steps; empty boxes
-  /// without any.
-  std::function<void(std::size_t mesh, std::vector<Box3f> steps)> step_bounds = nullptr;
+  /// Told of each mesh, one after another, the exact boxes of its valid triangles at the steps that were kept
+  /// (empty boxes without any), and the times of these; without times they are equidistant.
+  std::function<void(std::size_t mesh, std::vector<Box3f> steps, std::span<const float> step_times)>
+      step_bounds = nullptr;
 };
 
 /// How rays are tested against boxes and triangles.
@@ -44,12 +45,19 @@ enum class Precision {
   kFast,
 };
 
+/// Takes steps as they are given.
+inline constexpr float kKeepAllSteps = -1.0f;
+
 struct BuildSettings {
   /// How much of the memory that vertices inside the leaves would take may be taken, 0 to 1: leaves that rays
   /// meet most for their bytes are inline, the others keep vertex indices and read the caller's buffers.
   float inline_share = 1.0f;
   /// The tree does not depend on it.
   Precision precision = Precision::kWatertight;
+  /// How far a vertex may be from where its mesh says at any time, scene units: of each mesh only the steps
+  /// are kept that this takes. 0: within rounding, so that what stands still is static, and straight motion
+  /// has two steps. Or kKeepAllSteps.
+  float tolerance = 0.0f;
 };
 
 /// Thrown by build() when a callback returned false; nothing is left behind.
@@ -66,7 +74,7 @@ struct InvalidMesh : std::invalid_argument {
 struct BuildStatistics {
   std::size_t triangles = 0;           ///< valid, and alive at some time in [0, 1]
   std::size_t invalid_triangles = 0;   ///< left out: index out of range, or a vertex not finite in some step
-  std::size_t primitive_segments = 0;  ///< sum over valid triangles of max(segments, 1)
+  std::size_t primitive_segments = 0;  ///< sum over valid triangles of max(segments kept, 1)
   std::size_t structure_bytes = 0;     ///< nodes, leaves and mesh table
   std::size_t peak_bytes = 0;          ///< structure and temporary memory of the build at their largest
   std::array<std::size_t, 3> nodes{};  ///< static, linear, spatial-temporal
@@ -76,7 +84,10 @@ struct BuildStatistics {
   std::size_t leaf_triangles = 0;  ///< triangles in leaves, counted once for each leaf that holds them
   std::size_t leaf_bytes = 0;
   std::size_t temporal_splits = 0;
-  std::size_t depth = 0;  ///< nodes from the root to the deepest leaf
+  std::size_t steps_given = 0;  ///< of all meshes
+  std::size_t steps_kept = 0;
+  double max_deviation = 0.0;  ///< of any vertex at any time, for the steps left out; scene units
+  std::size_t depth = 0;       ///< nodes from the root to the deepest leaf
 };
 
 /// A ray in the conventions of Embree, its members in the order of RTCRay: hits with tnear < t <= tfar,

@@ -117,8 +117,8 @@ STBVH_API unsigned int stbvhGetVersion(void);
 #define STBVH_DEFAULT_MASK 0xFFFFFFFFu
 #endif
 
-/** Most steps of a mesh, as in Embree. */
-#define STBVH_MAX_STEP_COUNT RTC_MAX_TIME_STEP_COUNT
+/** Most steps of a mesh; Embree's own geometries take 129. */
+#define STBVH_MAX_STEP_COUNT 4096
 
 /** Handle of a set of meshes with one tree over them; reference counted. */
 typedef struct StbvhGeometryTy* StbvhGeometry;
@@ -126,10 +126,10 @@ typedef struct StbvhGeometryTy* StbvhGeometry;
 /**
  * A triangle mesh. Fill in with stbvhInitMeshArguments first.
  *
- * The arrays `vertices` and `vertexByteStrides` are copied by the call they are given to; the buffers they
- * point to are shared, read at commit and during queries, and never written. All pointers and strides are
- * multiples of 4 bytes; 12 bytes are read at each vertex and each triangle, no padding is needed behind the
- * last.
+ * The arrays `vertices`, `vertexByteStrides` and `stepTimes` are copied by the call they are given to; the
+ * buffers they point to are shared, read at commit and during queries, and never written. All pointers and
+ * strides are multiples of 4 bytes; 12 bytes are read at each vertex and each triangle, no padding is needed
+ * behind the last.
  *
  * A triangle with an index >= vertexCount, or with a vertex that in some step is not finite or not smaller
  * than 1.844e18, is left out for all times, as Embree does.
@@ -147,7 +147,8 @@ struct StbvhMeshArguments {
   const size_t*
       vertexByteStrides;  /**< stepCount strides, one for each step; null (default): vertexByteStride */
   size_t vertexCount;     /**< vertices in each step; default 0 */
-  unsigned int stepCount; /**< 1 (static; default) to STBVH_MAX_STEP_COUNT, equidistant in the time range */
+  unsigned int stepCount; /**< 1 (static; default) to STBVH_MAX_STEP_COUNT, equidistant in the time range
+                             where stepTimes is null */
 
   float startTime; /**< ray time of the first step; default 0 */
   float endTime;   /**< ray time of the last step, > startTime, with several steps by 1.18e-38 or more where
@@ -166,6 +167,9 @@ struct StbvhMeshArguments {
                                                runs a query's filter on this mesh also where the query's flags
                                                do not; default 0 */
 #endif
+  const float* stepTimes; /**< stepCount ray times, each greater than the one before by 1.18e-38 or more where
+                             denormal times count as 0; instead of startTime and endTime, which are not looked
+                             at. Null (default): equidistant. Copied, as `vertices`. */
 };
 
 /** Fills in the defaults stated at struct StbvhMeshArguments. */
@@ -189,6 +193,7 @@ static inline void stbvhInitMeshArguments(struct StbvhMeshArguments* arguments) 
 #if RTC_VERSION_MAJOR >= 4
   arguments->enableFilterFunctionFromArguments = 0;
 #endif
+  arguments->stepTimes = NULL;
 }
 
 /** What the last successful commit built. Initialise with stbvhInitStatistics first. */
@@ -196,9 +201,12 @@ struct StbvhStatistics {
   size_t byteSize;          /**< sizeof(struct StbvhStatistics), set by stbvhInitStatistics */
   size_t triangles;         /**< valid triangles */
   size_t invalidTriangles;  /**< triangles left out */
-  size_t primitiveSegments; /**< sum over valid triangles of max(stepCount - 1, 1) */
+  size_t primitiveSegments; /**< sum over valid triangles of max(steps kept - 1, 1) */
   size_t structureBytes;    /**< nodes, leaves and mesh table */
   size_t peakBytes;         /**< structure and temporary memory of the build at their largest */
+  size_t stepsGiven;        /**< sum over meshes of stepCount */
+  size_t stepsKept;         /**< of them, those that the tolerance takes */
+  double maxDeviation;      /**< of any vertex at any time, because of the others; scene units */
 };
 
 /** Sets byteSize, and all else to zero. */
@@ -209,6 +217,9 @@ static inline void stbvhInitStatistics(struct StbvhStatistics* statistics) {
   statistics->primitiveSegments = 0;
   statistics->structureBytes = 0;
   statistics->peakBytes = 0;
+  statistics->stepsGiven = 0;
+  statistics->stepsKept = 0;
+  statistics->maxDeviation = 0.0;
 }
 
 /**
@@ -244,8 +255,8 @@ STBVH_NODISCARD STBVH_API enum RTCError stbvhSetMesh(StbvhGeometry geometry, uns
                                                      const struct StbvhMeshArguments* arguments);
 
 /**
- * Reads back a mesh, to change some members and give it to stbvhSetMesh. The arrays `vertices` and
- * `vertexByteStrides` belong to the handle and are valid until the mesh is set again.
+ * Reads back a mesh, to change some members and give it to stbvhSetMesh. The arrays `vertices`,
+ * `vertexByteStrides` and `stepTimes` belong to the handle and are valid until the mesh is set again.
  */
 STBVH_NODISCARD STBVH_API enum RTCError stbvhGetMesh(StbvhGeometry geometry, unsigned int meshIndex,
                                                      struct StbvhMeshArguments* arguments);
@@ -281,6 +292,17 @@ STBVH_NODISCARD STBVH_API enum RTCError stbvhSetGeometryPrecision(StbvhGeometry 
  * other leaves read the mesh's buffers. 0 to 1 (default); what lies outside is refused.
  */
 STBVH_NODISCARD STBVH_API enum RTCError stbvhSetGeometryInlineShare(StbvhGeometry geometry, float share);
+
+/** The tolerance that takes all steps as they are given. */
+#define STBVH_KEEP_ALL_STEPS (-1.0f)
+
+/**
+ * Sets how far a vertex may be from where its mesh says, at any time, in scene units. Of each mesh only the
+ * steps are kept that this takes; less memory, and faster rays. 0 (default): as far as straight motion is off
+ * whose positions were rounded to floats, so that what stands still is static, and straight motion has two
+ * steps. STBVH_KEEP_ALL_STEPS, or finite and not negative; anything else is refused.
+ */
+STBVH_NODISCARD STBVH_API enum RTCError stbvhSetGeometryTolerance(StbvhGeometry geometry, float tolerance);
 
 /**
  * Sets a function that stbvhCommitGeometry calls with the fraction done, 0 to 1, never decreasing, one call

@@ -1,0 +1,155 @@
+#include "builder/step_reduction.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numeric>
+
+namespace stbvh {
+
+namespace {
+
+constexpr std::size_t kChunk = 1024;
+
+/// Tells how far a mesh is from what some of its steps say of the others.
+class Chords {
+ public:
+  Chords(const MeshView& mesh, const std::function<bool(std::size_t)>& counts, float tolerance)
+      : mesh_(mesh), counts_(counts), tolerance_(tolerance) {
+    for (std::size_t step = 0; step < mesh.steps.size(); ++step) times_.push_back(step_time(mesh, step));
+  }
+
+  double time(std::size_t step) const { return times_[step]; }
+
+  /// Whether the steps between `first` and `last` may be left out; `deviation` grows to that of doing so.
+  bool may_replace(std::size_t first, std::size_t last, double& deviation) const {
+    return within(last - first, deviation, [&](std::size_t vertex, std::size_t i) {
+      return difference(vertex, first, last, first + i);
+    });
+  }
+
+  /// Whether all steps but the first may be left out.
+  bool stands_still(double& deviation) const {
+    return within(mesh_.steps.size(), deviation,
+                  [&](std::size_t vertex, std::size_t step) { return difference(vertex, 0, 0, step); });
+  }
+
+ private:
+  struct Difference {
+    double squared = 0.0;
+    bool is_rounding = true;
+  };
+
+  /// Of `vertex` at `step` from the line between two others, or from one.
+  Difference difference(std::size_t vertex, std::size_t first, std::size_t last, std::size_t step) const {
+    const Vec3f begin = mesh_.steps[first].position(vertex), end = mesh_.steps[last].position(vertex);
+    const Vec3f given = mesh_.steps[step].position(vertex);
+    const double along =
+        first == last ? 0.0 : (times_[step] - times_[first]) / (times_[last] - times_[first]);
+    Difference result;
+    const auto add = [&](double a, double b, double p) {
+      const double off = std::fabs(p - ((1.0 - along) * a + along * b));
+      result.squared += off * off;
+      const double sizes = std::fabs(p) + (1.0 - along) * std::fabs(a) + along * std::fabs(b);
+      result.is_rounding &= off <= 0x1p-24 * sizes;
+    };
+    add(begin.x, end.x, given.x);
+    add(begin.y, end.y, given.y);
+    add(begin.z, end.z, given.z);
+    return result;
+  }
+
+  /// Whether `difference_of(vertex, i)` is small enough for all vertices and 0 < i < `count`.
+  template <typename DifferenceOf>
+  bool within(std::size_t count, double& deviation, const DifferenceOf& difference_of) const {
+    const double most = static_cast<double>(tolerance_) * tolerance_;
+    std::atomic<bool> fits{true};
+    const double largest = tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, mesh_.steps[0].count, kChunk), 0.0,
+        [&](const tbb::blocked_range<std::size_t>& chunk, double squared) {
+          for (std::size_t v = chunk.begin(); v != chunk.end() && fits.load(std::memory_order_relaxed); ++v) {
+            if (!counts_(v)) continue;
+            for (std::size_t i = 1; i < count; ++i) {
+              const Difference d = difference_of(v, i);
+              if (!d.is_rounding && !(d.squared <= most)) {
+                fits.store(false, std::memory_order_relaxed);
+                return squared;
+              }
+              squared = std::max(squared, d.squared);
+            }
+          }
+          return squared;
+        },
+        [](double a, double b) { return std::max(a, b); });
+    if (!fits.load()) return false;
+    deviation = std::max(deviation, std::sqrt(largest));
+    return true;
+  }
+
+  const MeshView& mesh_;
+  const std::function<bool(std::size_t)>& counts_;
+  float tolerance_;
+  std::vector<double> times_;
+};
+
+/// The last step that may follow `first`, all between them left out.
+std::size_t longest_from(const Chords& chords, std::size_t first, std::size_t last, double& deviation) {
+  std::size_t fits = first + 1, reach = 1;
+  double fitting = 0.0;
+  const auto try_step = [&](std::size_t step) {
+    double off = 0.0;
+    if (!chords.may_replace(first, step, off)) return false;
+    fits = step;
+    fitting = off;
+    return true;
+  };
+  while (fits < last && try_step(std::min(fits + reach, last))) reach *= 2;
+  std::size_t too_far = std::min(fits + reach, last);
+  while (too_far > fits + 1) {
+    const std::size_t middle = fits + (too_far - fits) / 2;
+    if (!try_step(middle)) too_far = middle;
+  }
+  deviation = std::max(deviation, fitting);
+  return fits;
+}
+
+}  // namespace
+
+float step_time(const MeshView& mesh, std::size_t step) {
+  if (!mesh.step_times.empty()) return mesh.step_times[step];
+  const double begin = mesh.time_range.begin, end = mesh.time_range.end;
+  const auto segments = static_cast<double>(mesh.steps.size() - 1);
+  return static_cast<float>(begin + (end - begin) * (static_cast<double>(step) / segments));
+}
+
+StepReduction reduce_steps(const MeshView& mesh, const std::function<bool(std::size_t)>& counts,
+                           float tolerance) {
+  const Chords chords(mesh, counts, tolerance);
+  const std::size_t last = mesh.steps.size() - 1;
+  StepReduction reduction;
+  if (chords.time(0) <= 0.0 && chords.time(last) >= 1.0 && chords.stands_still(reduction.deviation)) {
+    reduction.kept = {0};
+    return reduction;
+  }
+  reduction.kept = {0};
+  if (last == 1 || chords.may_replace(0, last, reduction.deviation)) {
+    reduction.kept.push_back(last);
+    return reduction;
+  }
+  while (reduction.kept.back() < last)
+    reduction.kept.push_back(longest_from(chords, reduction.kept.back(), last, reduction.deviation));
+  // Equidistant times may be nearer to each other than floats are.
+  for (std::size_t i = 1; i < reduction.kept.size(); ++i) {
+    if (is_usable({step_time(mesh, reduction.kept[i - 1]), step_time(mesh, reduction.kept[i])})) continue;
+    reduction.kept.resize(mesh.steps.size());
+    std::iota(reduction.kept.begin(), reduction.kept.end(), std::size_t{0});
+    reduction.deviation = 0.0;
+    break;
+  }
+  return reduction;
+}
+
+}  // namespace stbvh
