@@ -19,7 +19,8 @@ bool is_finite(const Vec3f& v) {
 }
 
 void check_mesh(const Mesh& mesh) {
-  require(!mesh.steps.empty() && mesh.steps.size() <= harness::kMaxSceneSteps, "a mesh has 1 to harness::kMaxSceneSteps steps");
+  require(!mesh.steps.empty() && mesh.steps.size() <= harness::kMaxSceneSteps,
+          "a mesh has 1 to kMaxSceneSteps steps");
   for (const auto& step : mesh.steps)
     require(step.size() == mesh.steps.front().size(), "all steps have the same vertices");
   require(mesh.indices.size() % 3 == 0, "triangles have three corners");
