@@ -144,9 +144,9 @@ void add_invalid_families(std::vector<HardFamily>& families) {
                       .description = "A body in which one index in fifty points past the vertices.",
                       .make = indices_out_of_range});
   families.push_back(
-      {.name = "most-steps", .description = "129 steps, the most that a mesh may have.", .make = most_steps});
+      {.name = "most-steps", .description = "129 steps, the most that Embree takes.", .make = most_steps});
   families.push_back({.name = "too-many-steps",
-                      .description = "130 and 1,000 steps: an error that says so, nothing built.",
+                      .description = "4,097 and 5,000 steps: an error that says so, nothing built.",
                       .make = too_many_steps});
 }
 

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "layout/time_grid.h"
+
 namespace stbvh {
 
 namespace {
@@ -122,7 +124,7 @@ float step_time(const MeshView& mesh, std::size_t step) {
   if (!mesh.step_times.empty()) return mesh.step_times[step];
   const double begin = mesh.time_range.begin, end = mesh.time_range.end;
   const auto segments = static_cast<double>(mesh.steps.size() - 1);
-  return static_cast<float>(begin + (end - begin) * (static_cast<double>(step) / segments));
+  return normal_time(static_cast<float>(begin + (end - begin) * (static_cast<double>(step) / segments)));
 }
 
 StepReduction reduce_steps(const MeshView& mesh, const std::function<bool(std::size_t)>& counts,

@@ -9,7 +9,7 @@
 
 namespace stbvh {
 
-/// Time of a step, rounded once.
+/// Time of a step, rounded once; a denormal one counts as 0.
 float step_time(const MeshView& mesh, std::size_t step);
 
 struct StepReduction {

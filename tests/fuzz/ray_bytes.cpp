@@ -3,17 +3,13 @@
 #include <algorithm>
 #include <array>
 
+#include "builder/step_reduction.h"
+
 namespace stbvh::fuzz {
 
 namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
-
-double time_of_step(const MeshView& mesh, double step) {
-  if (!mesh.step_times.empty()) return mesh.step_times[static_cast<std::size_t>(step)];
-  const double begin = mesh.time_range.begin, end = mesh.time_range.end;
-  return begin + step / static_cast<double>(mesh.steps.size() - 1) * (end - begin);
-}
 
 float take_time(ByteReader& in, const MeshView& mesh) {
   const std::uint8_t code = in.byte();
@@ -25,7 +21,7 @@ float take_time(ByteReader& in, const MeshView& mesh) {
   if (code < 0x60 || mesh.steps.size() == 1) return begin + share * (end - begin);
   const auto segments = static_cast<double>(mesh.steps.size() - 1);
   const double step = std::floor(share * segments + 0.5);
-  auto time = static_cast<float>(time_of_step(mesh, step));
+  float time = step_time(mesh, static_cast<std::size_t>(step));
   if (code % 4 == 1) time = std::nextafter(time, kInf);
   if (code % 4 == 2) time = std::nextafter(time, -kInf);
   return std::clamp(time, 0.0f, 1.0f);
@@ -38,9 +34,9 @@ std::array<double, 3> corner_at(const MeshView& mesh, std::uint32_t vertex, floa
   std::size_t k = 0;
   double f = 0;
   if (segments > 0) {
-    while (k + 1 < segments && time_of_step(mesh, static_cast<double>(k + 1)) <= time) ++k;
-    const double begin = time_of_step(mesh, static_cast<double>(k));
-    f = (time - begin) / (time_of_step(mesh, static_cast<double>(k + 1)) - begin);
+    while (k + 1 < segments && step_time(mesh, k + 1) <= time) ++k;
+    const double begin = step_time(mesh, k);
+    f = (time - begin) / (step_time(mesh, k + 1) - begin);
     f = f >= 0 && f <= 1 ? f : 0;  // also where it is NaN
   }
   for (std::size_t i = 0; i < 2 && k + i < mesh.steps.size(); ++i) {

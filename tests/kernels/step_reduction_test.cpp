@@ -130,6 +130,21 @@ TEST(StepReduction, StaysWithinTheTolerance) {
   }
 }
 
+/// A time range that begins at a denormal time begins at 0, also where steps in between are left out.
+TEST(StepReduction, DenormalTimesCountAsZero) {
+  for (const float begin : {1e-40f, -1e-40f}) {
+    TestMesh mesh = sphere(9, [](Vec3f p, float t) {
+      return Vec3f{p.x, p.y, p.z + (t < 0.3f ? 0.0f : t - 0.25f)};
+    });
+    mesh.time_range = {begin, 1.0f};
+    const MeshView view = mesh.view();
+    const auto structure = Structure::build({&view, 1});
+    ASSERT_EQ(structure->statistics().steps_kept, 3u);
+    Hit hit;
+    EXPECT_TRUE(structure->intersect({{0.01f, 0.02f, -5}, 0, {0, 0, 1}, 0.0f, 100}, hit)) << begin;
+  }
+}
+
 /// As fine as it must be where something happens, and not elsewhere.
 TEST(StepReduction, KeepsStepsWhereTheMotionIsCurved) {
   TestMesh mesh = sphere(129, [](Vec3f p, float t) {

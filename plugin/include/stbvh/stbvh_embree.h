@@ -239,8 +239,9 @@ STBVH_API void stbvhReleaseGeometry(StbvhGeometry geometry);
  * stored to `meshIndex` unless that is null. RTC_ERROR_INVALID_ARGUMENT, and nothing added: arguments null,
  * not initialised or from a newer header; no steps or more than STBVH_MAX_STEP_COUNT; a buffer or array
  * missing or misaligned; a stride too small or misaligned; counts and strides that reach beyond the end of
- * memory; times not finite, startTime >= endTime, or with several steps next to nothing between them. Of
- * what was added the commit refuses a second mesh with the default geomID, and nothing else.
+ * memory; times not finite, startTime >= endTime, stepTimes that do not increase, or with several steps next
+ * to nothing between them. Of what was added the commit refuses a second mesh with the default geomID, and
+ * nothing else.
  */
 STBVH_NODISCARD STBVH_API enum RTCError stbvhAddMesh(StbvhGeometry geometry,
                                                      const struct StbvhMeshArguments* arguments,
