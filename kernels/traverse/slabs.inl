@@ -10,10 +10,13 @@ namespace {
 struct PaddedSlabs {
   /// How far the triangle test may see a vertex from where it is: its translation, interpolation and shear
   /// round by up to 8 * 2^-24 of the distance of the vertex, the slab distances by 3 more (docs/accuracy.md).
-  /// The second term survives the rounding of the sum with the origin.
+  /// The second term survives the rounding of the sum with the origin, the third holds where denormal numbers
+  /// are rounded, or flushed to zero.
   static Axes slack(Axes origin, Axes distance) {
     const Axes size = _mm_andnot_ps(_mm_set1_ps(-0.0f), origin);
-    return _mm_add_ps(_mm_mul_ps(_mm_set1_ps(0x1p-20f), distance), _mm_mul_ps(_mm_set1_ps(0x1p-22f), size));
+    const Axes relative =
+        _mm_add_ps(_mm_mul_ps(_mm_set1_ps(0x1p-20f), distance), _mm_mul_ps(_mm_set1_ps(0x1p-22f), size));
+    return _mm_max_ps(relative, _mm_set1_ps(std::numeric_limits<float>::min()));
   }
 
   /// The near planes move towards the ray's origin by the slack, the far planes away from it.

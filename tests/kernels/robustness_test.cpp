@@ -275,6 +275,28 @@ TEST_P(RobustnessOf, TreeFindsWhatTheTriangleTestAccepts) {
   }
 }
 
+/// Coordinates, directions and distances are a few units of the least denormal number: nothing is lost, and
+/// nothing is found that is not there. Most rays miss, as points of triangles are rounded away from them.
+TEST(Robustness, ScenesOfDenormalSize) {
+  for (const float size : {3e-39f, 1e-41f, 3e-44f}) {
+    const std::vector<TestMesh> meshes{placed(ordinary(30, 5, 47), size, 0),
+                                       placed(ordinary(30, 1, 48), size, 0)};
+    Scene scene{"", size, meshes};
+    scene.meshes[1].geom_id = 1;
+    Random random(49);
+    const Tally tally = compare(views(scene.meshes), {}, false, 1000, [&] {
+      Ray ray = random_ray(scene, random);
+      if (random.bits() % 2 == 0) {
+        const Vec3f d = random_direction(random);
+        ray.direction = {size * d.x, size * d.y, size * d.z};
+      }
+      return ray;
+    });
+    EXPECT_EQ(tally.wrong, 0) << size << ", of " << tally.rays;
+    EXPECT_GT(tally.hits, 0) << size;
+  }
+}
+
 // Time ranges -----------------------------------------------------------------------------------------------
 
 /// Lengths that are denormal, so that denormals-are-zero takes them for nothing: refused, or answered right.
