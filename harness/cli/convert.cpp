@@ -31,6 +31,17 @@ void add_options(CLI::App& app, ConvertOptions& o) {
   add_making_options(app, o);
 }
 
+/// The format has equidistant steps only.
+void check_steps(const Scene& scene) {
+  for (const Mesh& mesh : scene.meshes) {
+    if (!mesh.has_step_times() && mesh.steps.size() <= kMaxSceneSteps) continue;
+    throw UsageError(fmt::format(
+        "Embree's XML has equidistant steps, {0} at most, and \"{1}\" has {2}{3}: --resample-steps {0} makes "
+        "them.",
+        kMaxSceneSteps, mesh.name, mesh.steps.size(), mesh.has_step_times() ? " at times of their own" : ""));
+  }
+}
+
 /// A .bin beside the .xml may be the buffer of a glTF file, or anything: it is only replaced where it is
 /// ours.
 void check_owner(const std::filesystem::path& binary_file, const std::filesystem::path& xml_file) {
@@ -60,6 +71,7 @@ void run_convert(const ConvertOptions& options) {
   Progress progress;
   progress.stage(fmt::format("{}: making the scene", source.name));
   const Scene scene = source.load();
+  check_steps(scene);
   progress.stage(fmt::format("{}: writing", source.name));
   const EmbreeXml file = to_embree_xml(scene, print_warning);
   std::vector<FileContent> files;

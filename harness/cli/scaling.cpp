@@ -103,7 +103,7 @@ ScalingOptions completed(ScalingOptions o) {
   std::sort(o.values.begin(), o.values.end());
   o.values.erase(std::unique(o.values.begin(), o.values.end()), o.values.end());
   if (o.over == Over::kSteps && o.values.front() < 2) throw UsageError("--values: at least 2 steps.");
-  const std::size_t most = o.over == Over::kSteps     ? kMaxSceneSteps
+  const std::size_t most = o.over == Over::kSteps     ? kMaxSteps
                            : o.over == Over::kThreads ? usable_core_count()
                                                       : kMostTriangles;
   check_range("--values", o.values.front(), most);

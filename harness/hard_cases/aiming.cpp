@@ -16,25 +16,29 @@ std::size_t below(std::size_t n, Pcg32& random) {
   return std::min(static_cast<std::size_t>(random.uniform() * static_cast<double>(n)), n - 1);
 }
 
-float exact_step(const TimeRange& range, std::size_t segments, Pcg32& random) {
-  const double begin = range.begin;
-  const double fraction =
-      segments > 0 ? static_cast<double>(below(segments + 1, random)) / static_cast<double>(segments) : 0.0;
-  return static_cast<float>(begin + fraction * (range.end - begin));
+std::vector<float> times_of_steps(const Mesh& mesh) {
+  if (mesh.is_static()) return {mesh.time_range.begin};
+  std::vector<float> times;
+  for (std::size_t k = 0; k < mesh.steps.size(); ++k) times.push_back(static_cast<float>(mesh.step_time(k)));
+  return times;
+}
+
+float one_of(const std::vector<float>& times, Pcg32& random) {
+  return times.size() > 1 ? times[below(times.size(), random)] : times.front();
 }
 
 }  // namespace
 
 TimeChoice mixed_times(const Mesh& mesh) {
-  return [range = mesh.time_range, segments = mesh.segment_count()](Pcg32& random) {
-    if (random.uniform() < 0.25) return exact_step(range, segments, random);
+  return [range = mesh.motion_range(), times = times_of_steps(mesh)](Pcg32& random) {
+    if (random.uniform() < 0.25) return one_of(times, random);
     return static_cast<float>(random.uniform(range.begin, range.end));
   };
 }
 
 TimeChoice step_times(const Mesh& mesh) {
-  return [range = mesh.time_range, segments = mesh.segment_count()](Pcg32& random) {
-    return std::clamp(ulp_around(exact_step(range, segments, random), random), 0.0f, 1.0f);
+  return [times = times_of_steps(mesh)](Pcg32& random) {
+    return std::clamp(ulp_around(one_of(times, random), random), 0.0f, 1.0f);
   };
 }
 

@@ -58,13 +58,15 @@ Shape cut_octahedron(std::size_t cuts) {
 
 Mesh make_body(const Body& body) {
   const Vec3 axis = normalize({1, 2, 3});
-  return animate(
+  Mesh mesh = animate(
       "body", cut_octahedron(body.cuts), body.segments + 1, kColor, [&](Vec3 u, std::size_t, double time) {
         const double wave = std::sin(4 * u.x + 7 * time) * std::cos(3 * u.y - 5 * time + u.z);
         const double radius = body.radius * (1 + body.bulge * wave);
         const Vec3 p = rotate(axis_angle(axis, body.turn * time), radius * u);
         return body.center_at(time) + Vec3{p.x * body.stretch.x, p.y * body.stretch.y, p.z * body.stretch.z};
       });
+  mesh.step_times = body.step_times;
+  return mesh;
 }
 
 Mesh make_soup(std::size_t triangles, std::size_t segments, Pcg32& random,

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <functional>
+#include <vector>
 
 #include "harness/scenes/procedural/shared/mesh_tools.h"
 #include "harness/scenes/scene.h"
@@ -21,6 +22,8 @@ struct Body {
   double turn = 1;     ///< radians over the shutter
   double bulge = 0.2;  ///< share of the radius
   Vec3 stretch{1, 1, 1};
+  std::vector<float>
+      step_times{};  ///< of its segments' ends; it moves by as much in each. Empty: equidistant
 
   Vec3 center_at(double shutter_fraction) const { return center + drift * shutter_fraction; }
 };

@@ -19,6 +19,7 @@ std::span<const HardFamily> hard_families() {
     std::vector<HardFamily> all;
     add_closed_families(all);
     add_time_families(all);
+    add_uneven_families(all);
     add_scale_families(all);
     add_thin_families(all);
     add_flat_families(all);

@@ -9,6 +9,7 @@ namespace stbvh::harness {
 
 void add_closed_families(std::vector<HardFamily>& families);
 void add_time_families(std::vector<HardFamily>& families);
+void add_uneven_families(std::vector<HardFamily>& families);
 void add_scale_families(std::vector<HardFamily>& families);
 void add_thin_families(std::vector<HardFamily>& families);
 void add_flat_families(std::vector<HardFamily>& families);

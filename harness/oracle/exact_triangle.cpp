@@ -7,6 +7,8 @@
 #include <initializer_list>
 #include <limits>
 
+#include "harness/scenes/moving_triangle.h"
+
 namespace stbvh::harness {
 namespace {
 
@@ -68,13 +70,24 @@ ExactVec3 cross(const ExactVec3& a, const ExactVec3& b) {
 /// Where a time lies in a mesh's grid of steps; `length` and `along` share a scale.
 struct ExactMotion {
   std::size_t segment = 0;
-  mpz_class length = 1;  ///< b - a
-  mpz_class along = 0;   ///< (t - a) S - k (b - a)
+  mpz_class length = 1;  ///< b - a, or t_(k+1) - t_k
+  mpz_class along = 0;   ///< (t - a) S - k (b - a), or t - t_k
 };
+
+ExactMotion exact_motion_among_times(const Mesh& mesh, float time) {
+  ExactMotion motion;
+  motion.segment = segment_among_times(mesh, time);
+  const Vec3f times{mesh.step_times[motion.segment], mesh.step_times[motion.segment + 1], time};
+  const ExactVec3 t = scaled(times, common_exponent({times}));
+  motion.length = t[1] - t[0];
+  motion.along = t[2] - t[0];
+  return motion;
+}
 
 ExactMotion exact_motion(const Mesh& mesh, float time) {
   ExactMotion motion;
   if (mesh.is_static()) return motion;
+  if (mesh.has_step_times()) return exact_motion_among_times(mesh, time);
   const Vec3f times{mesh.time_range.begin, mesh.time_range.end, time};
   const ExactVec3 t = scaled(times, common_exponent({times}));
   motion.length = t[1] - t[0];

@@ -10,7 +10,8 @@
 ///                                                                        d . n, n the plane's normal
 ///   t = Q_0 . (Q_1 x Q_2) / ((b - a) d . n), u = W_1 / d . n, v = W_2 / d . n
 ///
-/// A mesh that stands still has b - a = 1 and Q_c = p_0 - o.
+/// With steps at times of their own k is the last segment that has begun, t_(k+1) - t_k stands for b - a, and
+/// t - t_k for (t - a) S - k (b - a). A mesh that stands still has b - a = 1 and Q_c = p_0 - o.
 #pragma once
 
 #include <gmpxx.h>

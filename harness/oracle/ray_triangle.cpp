@@ -41,8 +41,13 @@ constexpr double kRounding = kRoundingUlps * kUlp;
 /// What can move the corners of one triangle.
 struct Magnitudes {
   Vec3 position;  ///< the largest coordinates of a corner, in all segments that the time may fall into
-  Vec3 motion;    ///< the largest coordinates of a corner's way in one of these
+  Vec3 motion;    ///< how far a corner moves at most, in each coordinate, when the time moves
 };
+
+/// In segments, as far as the segment reaches: steps with times of their own may be an ulp apart.
+double movement_in_segment(const Mesh& mesh, std::size_t segment, double ray_time_movement) {
+  return std::min(1.0, ray_time_movement / (mesh.step_time(segment + 1) - mesh.step_time(segment)));
+}
 
 Magnitudes magnitudes(const Mesh& mesh, std::size_t prim, const TriangleMotion& motion) {
   Magnitudes sizes;
@@ -50,12 +55,18 @@ Magnitudes magnitudes(const Mesh& mesh, std::size_t prim, const TriangleMotion& 
     const std::uint32_t v = mesh.indices[3 * prim + c];
     sizes.position = largest(sizes.position, absolute(to_double(mesh.steps[motion.first_segment][v])));
     if (mesh.is_static()) continue;
+    Vec3 sum;
     for (std::size_t k = motion.first_segment; k <= motion.last_segment; ++k) {
       const Vec3 begin = to_double(mesh.steps[k][v]);
       const Vec3 end = to_double(mesh.steps[k + 1][v]);
       sizes.position = largest(sizes.position, absolute(end));
-      sizes.motion = largest(sizes.motion, absolute(end - begin));
+      if (mesh.has_step_times()) {
+        sum = sum + movement_in_segment(mesh, k, motion.ray_time_movement) * absolute(end - begin);
+      } else {
+        sizes.motion = largest(sizes.motion, motion.time_movement * absolute(end - begin));
+      }
     }
+    sizes.motion = largest(sizes.motion, sum);
   }
   return sizes;
 }
@@ -64,6 +75,16 @@ int largest_axis(Vec3 a) {
   const Vec3 size = absolute(a);
   if (size.z >= size.x && size.z >= size.y) return 2;
   return size.y >= size.x ? 1 : 0;
+}
+
+/// Sets the segments that `time` may fall into, moved, of a mesh whose steps have times of their own.
+void reach_over_times(const Mesh& mesh, float time, TriangleMotion& motion) {
+  const double first = time - motion.ray_time_movement, last = time + motion.ray_time_movement;
+  while (motion.first_segment > 0 && mesh.step_times[motion.first_segment] > first) --motion.first_segment;
+  while (motion.last_segment + 1 < mesh.segment_count() && mesh.step_times[motion.last_segment + 1] < last)
+    ++motion.last_segment;
+  for (std::size_t k = motion.first_segment; k <= motion.last_segment; ++k)
+    motion.time_movement += movement_in_segment(mesh, k, motion.ray_time_movement);
 }
 
 /// One triangle as seen along a ray; asks exact arithmetic where double precision cannot tell.
@@ -80,11 +101,11 @@ class SeenTriangle {
     }
     nearest_ = nearest_on_edges(across_);
     const Magnitudes sizes = magnitudes(mesh, prim, motion);
-    movement_ = kRounding * (sizes.position + absolute(ray.origin)) + motion.time_movement * sizes.motion;
+    movement_ = kRounding * (sizes.position + absolute(ray.origin)) + sizes.motion;
     const double farthest = std::max({std::abs(z_[0]), std::abs(z_[1]), std::abs(z_[2])});
     movement_across_ = movement_ + kRounding * farthest * absolute(ray.direction);
-    double_error_ = kDoubleError * (kRounding * (length(sizes.position) + ray.origin_length + reach) +
-                                    motion.time_movement * length(sizes.motion));
+    double_error_ = kDoubleError *
+                    (kRounding * (length(sizes.position) + ray.origin_length + reach) + length(sizes.motion));
   }
 
   bool needed_exact() const { return exact_.has_value(); }
@@ -234,10 +255,16 @@ TriangleMotion triangle_motion(const Mesh& mesh, float time) {
   motion.first_segment = motion.last_segment = motion.sample.segment;
   if (mesh.is_static()) return motion;
   const auto segments = static_cast<double>(mesh.segment_count());
-  const double begin = mesh.time_range.begin;
-  const double segment_length = (mesh.time_range.end - begin) / segments;
+  const TimeRange range = mesh.motion_range();
+  const double begin = range.begin;
   const double magnitude = std::max(std::abs(begin), std::abs(static_cast<double>(time)));
-  motion.time_movement = kRounding * magnitude / segment_length;
+  motion.ray_time_movement = kRounding * magnitude;
+  if (mesh.has_step_times()) {
+    reach_over_times(mesh, time, motion);
+    return motion;
+  }
+  const double segment_length = (range.end - begin) / segments;
+  motion.time_movement = motion.ray_time_movement / segment_length;
   const double f = motion.sample.fraction;
   if (f < motion.time_movement && motion.first_segment > 0) --motion.first_segment;
   if (f > 1 - motion.time_movement && motion.last_segment + 1 < mesh.segment_count()) ++motion.last_segment;

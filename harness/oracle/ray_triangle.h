@@ -13,6 +13,8 @@
 ///
 ///   u = (t - a) / (b - a) * S             4 roundings of u:       time moves by 4 e max(|t|, |a|)
 ///   f = u - k                             exact
+///   f = (t - t_k) / (t_(k+1) - t_k)       3 roundings of f:       time moves by 3 e (t - t_k), at most
+///                                         (steps with times of their own) 3 e (|t| + |a|)
 ///   p = (1 - f) p_k + f p_(k+1)           1 - f, product, sum:    each vertex moves by 3 e |p|
 ///   q = p - o                             1 rounding:             vertex by e |p|, origin by e |o|
 ///   shear x - (d_x / d_z) z               ratio, product:         d_x moves by 2 e |d_x|
@@ -76,7 +78,8 @@ bool is_answerable(const Ray& ray);
 /// What can move a triangle of a mesh at the ray's time.
 struct TriangleMotion {
   MotionSample sample;
-  double time_movement = 0;       ///< in segments, for kRoundingUlps units of the time
+  double ray_time_movement = 0;   ///< kRoundingUlps units of the time
+  double time_movement = 0;       ///< the same in segments: of each of those below at most all of it
   std::size_t first_segment = 0;  ///< segments that the time may fall into, moved so far
   std::size_t last_segment = 0;
 };

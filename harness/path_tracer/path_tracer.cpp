@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -36,11 +37,17 @@ void check_mesh(const Mesh& mesh) {
     throw std::invalid_argument(fmt::format("The mesh \"{}\" cannot be shown: {}.", mesh.name, reason));
   };
   if (mesh.steps.empty()) refuse("it has no steps");
-  if (mesh.steps.size() > kMaxSceneSteps) refuse("it has too many steps");
+  if (mesh.steps.size() > kMaxSteps) refuse("it has too many steps");
+  const bool has_times = mesh.has_step_times() && !mesh.is_static();
+  if (has_times && mesh.step_times.size() != mesh.steps.size()) refuse("it has not a time for each step");
+  if (has_times && std::adjacent_find(mesh.step_times.begin(), mesh.step_times.end(),
+                                      std::greater_equal<>()) != mesh.step_times.end()) {
+    refuse("the times of its steps do not increase");
+  }
   for (const VertexBuffer& step : mesh.steps) {
     if (step.size() != mesh.steps.front().size()) refuse("its steps have different numbers of vertices");
   }
-  const TimeRange range = mesh.time_range;
+  const TimeRange range = mesh.motion_range();
   if (!(std::isfinite(range.begin) && std::isfinite(range.end) && range.begin < range.end)) {
     refuse("its time range is empty");
   }
@@ -181,7 +188,8 @@ FirstHit PathTracer::first_hit(const Hit& hit, const Surface& surface, const Ray
   if (length(normal) > 0) first.normal = normalize(dot(normal, direction) > 0 ? -normal : normal);
   if (mesh.is_static() && !camera_moves_) return first;
   const auto place_at = [&](double time) {
-    const float seen = std::clamp(static_cast<float>(time), mesh.time_range.begin, mesh.time_range.end);
+    const TimeRange range = mesh.motion_range();
+    const float seen = std::clamp(static_cast<float>(time), range.begin, range.end);
     return camera_at(time).project(surface_point(mesh, hit.prim_id, surface.u, surface.v, seen).position);
   };
   const auto begin = place_at(settings_.shutter.open), end = place_at(settings_.shutter.close);

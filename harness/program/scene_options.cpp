@@ -24,9 +24,17 @@ double checked_scale(double scale) {
   throw UsageError(fmt::format("--scale must be above 0 and at most {}, not {}.", kLargestScale, scale));
 }
 
-std::size_t checked_steps(std::size_t steps) {
-  if (steps >= 2 && steps <= kMaxSceneSteps) return steps;
-  throw UsageError(fmt::format("--resample-steps must be 2 to {}, not {}.", kMaxSceneSteps, steps));
+/// A number of steps, or uneven:N.
+void set_resampling(const std::string& text, MakingOptions& m) {
+  constexpr std::string_view kUneven = "uneven:";
+  const bool is_uneven = text.starts_with(kUneven);
+  const auto steps = parse_number(std::string_view(text).substr(is_uneven ? kUneven.size() : 0));
+  if (!steps || !(*steps >= 2) || !(*steps <= double{kMaxSteps}) || *steps != std::floor(*steps)) {
+    throw UsageError(
+        fmt::format("--resample-steps must be 2 to {}, or uneven:N, not \"{}\".", kMaxSteps, text));
+  }
+  m.resample_steps = static_cast<std::size_t>(*steps);
+  m.resample_places = is_uneven ? StepPlaces::kUneven : StepPlaces::kEquidistant;
 }
 
 double checked_tolerance(double share) {
@@ -134,9 +142,10 @@ void add_making_options(CLI::App& app, MakingOptions& m) {
   add_number_option(
       app, "--step", m.obj_step, kLargestObjStep,
       "OBJ: by how much the numbers of a sequence go up from file to file, as in 2 for one on twos");
-  app.add_option_function<std::size_t>(
-      "--resample-steps", [&m](std::size_t steps) { m.resample_steps = checked_steps(steps); },
-      "Hand every mesh over with so many steps, 2 to 129, also what stands still. Default: as they are");
+  app.add_option_function<std::string>(
+      "--resample-steps", [&m](const auto& steps) { set_resampling(steps, m); },
+      "Hand every mesh over with so many steps, 2 to 4096, also what stands still; or uneven:N, N steps at "
+      "times of their own. Default: as they are");
   add_tolerance_option(app, m.tolerance);
   keep_words(app, first, m.scene_words);
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "harness/scenes/gltf/gltf.h"
+#include "harness/scenes/resampled.h"
 
 namespace CLI {
 class App;
@@ -23,7 +24,8 @@ struct MakingOptions {
   GltfOptions gltf;
   std::size_t obj_step = 1;        ///< by which the numbers of OBJ sequences go up
   std::size_t resample_steps = 0;  ///< of every mesh; 0: as they are
-  double tolerance = 0;            ///< of structures that can, of the scene's diagonal
+  StepPlaces resample_places = StepPlaces::kEquidistant;
+  double tolerance = 0;  ///< of structures that can, of the scene's diagonal
   /// Those of these options, and --scenes, that were given, for another command.
   std::vector<std::string> scene_words;
 };

@@ -102,9 +102,10 @@ void print_warning(const std::string& sentence) {
 SceneSource find_scene(const std::string& name, const MakingOptions& making) {
   SceneSource source = find_source(name, making);
   if (making.resample_steps == 0 && making.tolerance == 0) return source;
-  source.load = [load = std::move(source.load), steps = making.resample_steps, share = making.tolerance] {
+  source.load = [load = std::move(source.load), steps = making.resample_steps,
+                 places = making.resample_places, share = making.tolerance] {
     Scene scene = load();
-    if (steps > 0) scene = resampled(std::move(scene), steps);
+    if (steps > 0) scene = resampled(std::move(scene), steps, places);
     scene.tolerance = static_cast<float>(share * diagonal(scene));
     return scene;
   };

@@ -15,7 +15,9 @@ namespace stbvh::harness {
 std::vector<RaySet> make_ray_sets(const Scene& scene, const RayOptions& options, std::uint64_t seed,
                                   unsigned threads, Progress& progress) {
   progress.stage(fmt::format("{}: making rays", scene.name));
-  const auto reference = build_structure(kReferenceStructure, scene, threads);
+  const bool is_embrees = obstacle(kReferenceStructure, scene).empty();
+  const auto reference =
+      build_structure(is_embrees ? kReferenceStructure : kOwnReferenceStructure, scene, threads);
   std::vector<RaySet> sets;
   for (RayKind kind : options.rays) {
     sets.push_back(make_rays(kind, scene, *reference, options.count, seed));
@@ -36,7 +38,7 @@ std::vector<std::string> structures_that_fit(const std::vector<std::string>& nam
       fmt::print("{} left out: {}.\n", name, why);
       continue;
     }
-    const bool is_alone = beside.empty() || name == beside;
+    const bool is_alone = beside.empty() || name == beside || !obstacle(beside, scene).empty();
     const std::size_t needed =
         estimate_peak_bytes(name, scene) + (is_alone ? 0 : estimate_peak_bytes(beside, scene));
     if (needed <= available) {

@@ -15,13 +15,15 @@
 
 namespace stbvh::harness {
 
-/// The structure whose hit points bounce and shadow rays start from, whatever is compared.
+/// The structure whose hit points bounce and shadow rays start from, whatever is compared; and the one that
+/// stands in for it over scenes that Embree does not take.
 inline constexpr std::string_view kReferenceStructure = "embree-robust";
+inline constexpr std::string_view kOwnReferenceStructure = "stbvh-direct";
 
 /// What such a command was asked for.
 struct SessionOptions : SceneOptions, RecordOptions {};
 
-/// The rays of `options` by `seed`, from hit points of kReferenceStructure, which is built with `threads`.
+/// The rays of `options` by `seed`, from hit points of the reference, which is built with `threads`.
 std::vector<RaySet> make_ray_sets(const Scene& scene, const RayOptions& options, std::uint64_t seed,
                                   unsigned threads, Progress& progress);
 

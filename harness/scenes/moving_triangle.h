@@ -2,6 +2,7 @@
 /// (docs/algorithm.md), without any of a structure's roundings.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -20,13 +21,27 @@ struct MotionSample {
 
 /// Whether `mesh` can be hit at `time` at all.
 inline bool is_visible_at(const Mesh& mesh, float time) {
-  return mesh.is_static() || (time >= mesh.time_range.begin && time <= mesh.time_range.end);
+  const TimeRange range = mesh.motion_range();
+  return mesh.is_static() || (time >= range.begin && time <= range.end);
 }
 
-/// u = (t - a) / (b - a) * S, k = min(floor(u), S - 1), f = u - k. The mesh is visible at `time`.
+/// The last segment that has begun at `time`, of a mesh with step times that is visible then.
+inline std::size_t segment_among_times(const Mesh& mesh, float time) {
+  const auto last = mesh.step_times.end() - 1;  // at which no segment begins
+  const auto behind = std::upper_bound(mesh.step_times.begin() + 1, last, time);
+  return static_cast<std::size_t>(behind - mesh.step_times.begin()) - 1;
+}
+
+/// u = (t - a) / (b - a) * S, k = min(floor(u), S - 1), f = u - k; with step times the last k < S with
+/// t_k <= t, f = (t - t_k) / (t_(k+1) - t_k). The mesh is visible at `time`.
 inline MotionSample motion_sample(const Mesh& mesh, float time) {
   const std::size_t segments = mesh.segment_count();
   if (segments == 0) return {};
+  if (mesh.has_step_times()) {
+    const std::size_t k = segment_among_times(mesh, time);
+    const double begin = mesh.step_times[k];
+    return {k, (time - begin) / (mesh.step_times[k + 1] - begin)};
+  }
   const double a = mesh.time_range.begin;
   const double b = mesh.time_range.end;
   const double u = (time - a) / (b - a) * static_cast<double>(segments);

@@ -12,6 +12,17 @@ void extend(Box3f& box, Vec3f p) {
   box.upper = {std::max(box.upper.x, p.x), std::max(box.upper.y, p.y), std::max(box.upper.z, p.z)};
 }
 
+TimeRange Mesh::motion_range() const {
+  return has_step_times() ? TimeRange{step_times.front(), step_times.back()} : time_range;
+}
+
+double Mesh::step_time(std::size_t step) const {
+  if (has_step_times()) return step_times[step];
+  const double begin = time_range.begin;
+  return begin +
+         (time_range.end - begin) * (static_cast<double>(step) / static_cast<double>(segment_count()));
+}
+
 bool looks_somewhere(const Camera& camera) {
   const Vec3 position = to_double(camera.position), axis = to_double(camera.target) - position;
   const double side = length(cross(axis, to_double(camera.up)));

@@ -48,21 +48,31 @@ struct Material {
 /// Makes `box` as large as it must be for `p` to be in it.
 void extend(Box3f& box, Vec3f p);
 
-/// Most steps of a mesh: those that Embree takes, and with it the programs that scenes are compared with.
+/// Most steps of a mesh that Embree takes, and with it the programs that scenes are compared with: those of
+/// files that have a step for each position, and of what is made with a number of steps. A mesh may have
+/// kMaxSteps.
 inline constexpr std::size_t kMaxSceneSteps = 129;
 
-/// A triangle mesh with one vertex buffer for each step over `time_range`.
+/// A triangle mesh with one vertex buffer for each step.
 struct Mesh {
   std::string name;
   std::vector<std::uint32_t> indices;  ///< 3 for each triangle
-  std::vector<VertexBuffer> steps;     ///< 1 (static) to kMaxSceneSteps, all of the same size
-  TimeRange time_range;                ///< in ray time, default [0, 1]
+  std::vector<VertexBuffer> steps;     ///< 1 (static) to kMaxSteps, all of the same size
+  TimeRange time_range;                ///< in ray time, default [0, 1]; steps are equidistant over it
+  /// Of each step in ray time, instead of `time_range`, which is not looked at then: strictly increasing,
+  /// each 0 or a normal float, as far apart as MeshView asks for. Empty: equidistant, or static.
+  std::vector<float> step_times;
   std::uint32_t mask = 0xFFFFFFFFu;
   Material material;  ///< for pictures
 
   std::size_t triangle_count() const { return indices.size() / 3; }
   std::size_t segment_count() const { return steps.empty() ? 0 : steps.size() - 1; }
   bool is_static() const { return steps.size() <= 1; }
+  bool has_step_times() const { return !step_times.empty(); }
+  /// From the first step to the last. A mesh that moves is there only then.
+  TimeRange motion_range() const;
+  /// When step `step` of a mesh that moves is.
+  double step_time(std::size_t step) const;
 };
 
 /// Width over height of the pictures that cameras are made for.

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <array>
 #include <stdexcept>
 
@@ -104,6 +106,15 @@ bool has_trees_of_vertex_leaves() {
   return has;
 }
 
+/// Why Embree's own geometries cannot hold the motion of `mesh`; empty if they can.
+std::string why_not_in_embree(const Mesh& mesh) {
+  if (mesh.is_static() || mesh.triangle_count() == 0) return "";
+  const bool is_too_many = mesh.steps.size() > kMaxSceneSteps;
+  if (!is_too_many && !mesh.has_step_times()) return "";
+  return fmt::format("Embree takes equidistant steps, {} at most, and \"{}\" has {}{}", kMaxSceneSteps,
+                     mesh.name, mesh.steps.size(), mesh.has_step_times() ? " at times of their own" : "");
+}
+
 std::invalid_argument unknown_structure(std::string_view name) {
   return std::invalid_argument("There is no structure \"" + std::string(name) + "\".");
 }
@@ -124,6 +135,11 @@ std::string_view structure_description(std::string_view name) {
 }
 
 std::string obstacle(std::string_view name, const Scene& scene) {
+  if (!name.starts_with("stbvh")) {
+    for (const Mesh& mesh : scene.meshes) {
+      if (std::string why = why_not_in_embree(mesh); !why.empty()) return why;
+    }
+  }
   if (!name.ends_with("-4v")) return "";
   const Mesh* first = nullptr;
   for (const Mesh& mesh : scene.meshes) {

@@ -21,7 +21,7 @@ StbvhDirect::StbvhDirect(const Scene& scene, const BuildSettings& settings, unsi
                      .index_stride = 3 * sizeof(std::uint32_t),
                      .steps = steps[i],
                      .time_range = mesh.time_range,
-                     .step_times = {},
+                     .step_times = mesh.step_times,
                      .mask = mesh.mask,
                      .geom_id = static_cast<std::uint32_t>(i)});
   }

@@ -62,6 +62,7 @@ void StbvhPlugin::add_mesh(const Mesh& mesh, unsigned geom_id) {
   arguments.stepCount = static_cast<unsigned>(mesh.steps.size());
   arguments.startTime = mesh.time_range.begin;
   arguments.endTime = mesh.time_range.end;
+  arguments.stepTimes = mesh.has_step_times() ? mesh.step_times.data() : nullptr;
   arguments.mask = mesh.mask;
   arguments.geomID = geom_id;
   check(stbvhAddMesh(geometry_.get(), &arguments, nullptr));

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <limits>
 
 #include "require.h"
 
@@ -19,8 +20,11 @@ bool is_finite(const Vec3f& v) {
 }
 
 void check_mesh(const Mesh& mesh) {
-  require(!mesh.steps.empty() && mesh.steps.size() <= harness::kMaxSceneSteps,
-          "a mesh has 1 to kMaxSceneSteps steps");
+  require(!mesh.steps.empty() && mesh.steps.size() <= kMaxSteps, "a mesh has 1 to kMaxSteps steps");
+  require(!mesh.has_step_times() || mesh.step_times.size() == mesh.steps.size(), "each step has its time");
+  for (std::size_t k = 1; k < mesh.step_times.size(); ++k)
+    require(mesh.step_times[k] - mesh.step_times[k - 1] >= std::numeric_limits<float>::min(),
+            "steps are apart");
   for (const auto& step : mesh.steps)
     require(step.size() == mesh.steps.front().size(), "all steps have the same vertices");
   require(mesh.indices.size() % 3 == 0, "triangles have three corners");
@@ -29,7 +33,7 @@ void check_mesh(const Mesh& mesh) {
   for (const auto& step : mesh.steps) {
     for (const std::uint32_t index : mesh.indices) require(is_finite(step[index]), "triangles are somewhere");
   }
-  require(mesh.time_range.begin < mesh.time_range.end, "a mesh is there for some time");
+  require(mesh.motion_range().begin < mesh.motion_range().end, "a mesh is there for some time");
 }
 
 }  // namespace

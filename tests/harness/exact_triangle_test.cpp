@@ -42,11 +42,18 @@ struct RationalHit {
 
 RationalVec3 rational_position(const Mesh& mesh, std::uint32_t vertex, float time) {
   if (mesh.is_static()) return rational(mesh.steps[0][vertex]);
-  const mpq_class a(mesh.time_range.begin);
-  const mpq_class u = (mpq_class(time) - a) / (mpq_class(mesh.time_range.end) - a) * mesh.segment_count();
   std::size_t k = 0;
-  while (k + 1 < mesh.segment_count() && u >= k + 1) ++k;
-  const mpq_class f = u - k;
+  mpq_class f;
+  if (mesh.has_step_times()) {
+    while (k + 1 < mesh.segment_count() && time >= mesh.step_times[k + 1]) ++k;
+    const mpq_class begin(mesh.step_times[k]);
+    f = (mpq_class(time) - begin) / (mpq_class(mesh.step_times[k + 1]) - begin);
+  } else {
+    const mpq_class a(mesh.time_range.begin);
+    const mpq_class u = (mpq_class(time) - a) / (mpq_class(mesh.time_range.end) - a) * mesh.segment_count();
+    while (k + 1 < mesh.segment_count() && u >= k + 1) ++k;
+    f = u - k;
+  }
   const RationalVec3 begin = rational(mesh.steps[k][vertex]);
   const RationalVec3 end = rational(mesh.steps[k + 1][vertex]);
   RationalVec3 p;
@@ -90,19 +97,18 @@ class HardCases {
       if (random_.next() % 8 == 0)
         step[2] = nudged(to_float((to_double(step[0]) + to_double(step[1])) * 0.5));
     }
+    if (steps > 1 && random_.next() % 2 == 0) mesh.step_times = uneven_times(mesh);
     return mesh;
   }
 
   Ray ray(const Mesh& mesh) {
     const std::size_t segments = mesh.segment_count();
-    const double grid =
-        segments > 0 ? static_cast<double>(random_.next() % (segments + 1)) / static_cast<double>(segments)
-                     : 0.0;
-    const double f = random_.next() % 2 == 0 ? grid : random_.uniform();
-    const TimeRange range = mesh.time_range;
+    const TimeRange range = mesh.motion_range();
+    const double grid = segments > 0 ? mesh.step_time(random_.next() % (segments + 1)) : range.begin;
+    const double time = random_.next() % 2 == 0 ? grid : random_.uniform(range.begin, range.end);
     Ray ray{};
     ray.mask = 0xFFFFFFFFu;
-    ray.time = std::clamp(static_cast<float>(lerp(range.begin, range.end, f)), range.begin, range.end);
+    ray.time = std::clamp(static_cast<float>(time), range.begin, range.end);
     const auto corners = triangle_at(mesh, 0, motion_sample(mesh, ray.time));
     const double u = weight();
     const double v = weight() * (1 - u);
@@ -122,6 +128,17 @@ class HardCases {
   }
 
  private:
+  /// Anywhere in the mesh's time range, or one float apart.
+  std::vector<float> uneven_times(const Mesh& mesh) {
+    std::vector<float> times{mesh.time_range.begin};
+    const float part = (mesh.time_range.end - times[0]) / static_cast<float>(mesh.segment_count());
+    while (times.size() < mesh.steps.size()) {
+      const bool is_next = times.back() > 0 && random_.next() % 3 == 0;
+      times.push_back(is_next ? std::nextafter(times.back(), 2.0f)
+                              : times.back() + part * static_cast<float>(random_.uniform(0.01, 1)));
+    }
+    return times;
+  }
   Vec3 point() {
     const auto coordinate = [&] { return static_cast<double>(random_.next() % 9) - 4 + offset_; };
     const double x = coordinate();

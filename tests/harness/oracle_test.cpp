@@ -42,6 +42,36 @@ TEST(Oracle, MotionIsLinearWithinEachSegment) {
   }
 }
 
+TEST(Oracle, MotionIsLinearBetweenStepsAtTimesOfTheirOwn) {
+  Mesh mesh = one_triangle({kAtZ0, kAtZ4, kAtZ2});
+  mesh.step_times = {0.125f, 0.25f, 0.75f};
+  const Scene scene = scene_of({mesh});
+  const Oracle oracle(scene);
+  EXPECT_FALSE(oracle.answer(ray_along_z(0.25f, 0.25f, std::nextafter(0.125f, 0.0f))).is_possible);
+  EXPECT_FALSE(oracle.answer(ray_along_z(0.25f, 0.25f, std::nextafter(0.75f, 1.0f))).is_possible);
+  for (const auto& [time, z] :
+       {std::pair{0.125f, 0.0}, {0.1875f, 2.0}, {0.25f, 4.0}, {0.5f, 3.0}, {0.625f, 2.5}, {0.75f, 2.0}}) {
+    EXPECT_DOUBLE_EQ(oracle.answer(ray_along_z(0.25f, 0.25f, time)).t, z + 1) << time;
+  }
+}
+
+/// Time may move by three units in the last place: beside a jump that may be as far as it goes, elsewhere it
+/// is not.
+TEST(Oracle, JumpsCountOnlyForTimesBesideThem) {
+  const float after = 0.5f, before = std::nextafter(0.5f, 0.0f);
+  Mesh mesh = one_triangle({kAtZ0, kAtZ0, kAtZ4, kAtZ4});
+  mesh.step_times = {0, before, after, 1};
+  const Scene scene = scene_of({mesh});
+  const Oracle oracle(scene);
+  for (const auto& [time, z] : {std::pair{0.25f, 0.0}, {before, 0.0}, {after, 4.0}, {0.75f, 4.0}}) {
+    const OracleAnswer answer = oracle.answer(ray_along_z(0.25f, 0.25f, time));
+    EXPECT_DOUBLE_EQ(answer.t, z + 1) << time;
+    const bool is_beside = time == before || time == after;
+    EXPECT_NEAR(answer.t_lower, is_beside ? z - 3 : z + 1, is_beside ? 1e-4 : 1e-5) << time;
+    EXPECT_NEAR(answer.t_upper, is_beside ? z + 5 : z + 1, is_beside ? 1e-4 : 1e-5) << time;
+  }
+}
+
 TEST(Oracle, MovingMeshesExistInTheirTimeRangeOnly) {
   Mesh mesh = one_triangle({kAtZ0, kAtZ4});
   mesh.time_range = {0.25f, 0.75f};
@@ -157,8 +187,9 @@ TEST(ErrorCounts, PercentilesOfT) {
   EXPECT_EQ(percentile({1, 2, 3, 4, 5}, 1), 5);
 }
 
-void expect_cull_changes_nothing(const Scene& scene, std::size_t count) {
-  const auto reference = build_structure("embree-robust", scene, 0);
+void expect_cull_changes_nothing(const Scene& scene, std::size_t count,
+                                 std::string_view structure = "embree-robust") {
+  const auto reference = build_structure(structure, scene, 0);
   const Oracle culled(scene);
   const Oracle all(scene, Oracle::Cull::kNone);
   for (RayKind kind : ray_kinds()) {
@@ -182,6 +213,10 @@ void expect_cull_changes_nothing(const Scene& scene, std::size_t count) {
 
 TEST(OracleCull, ChangesNothingInMixedSteps) {
   expect_cull_changes_nothing(mixed_step_scene(), 1000);
+}
+
+TEST(OracleCull, ChangesNothingInUnevenSteps) {
+  expect_cull_changes_nothing(uneven_step_scene(), 1000, "stbvh-direct");
 }
 
 TEST(OracleCull, ChangesNothingInProceduralScenes) {

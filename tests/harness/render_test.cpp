@@ -161,6 +161,8 @@ TEST(Rendering, RefusesWhatCannotBe) {
   refused_scene([](Scene& s) { s.meshes[1].steps.clear(); });
   refused_scene([](Scene& s) { s.meshes[1].steps[1] = VertexBuffer(3); });
   refused_scene([](Scene& s) { s.meshes[1].time_range = {0.5f, 0.5f}; });
+  refused_scene([](Scene& s) { s.meshes[1].step_times.assign(s.meshes[1].steps.size() + 1, 0); });
+  refused_scene([](Scene& s) { s.meshes[1].step_times.assign(s.meshes[1].steps.size(), 0.5f); });
   refused_scene([](Scene& s) { s.meshes[1].material.color = {2, 0, 0}; });
 }
 

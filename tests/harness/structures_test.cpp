@@ -62,6 +62,38 @@ TEST_P(EachStructure, TakesUnlikeTimeRangesOrSaysWhyNot) {
   }
 }
 
+TEST_P(EachStructure, TakesUnevenStepsOrSaysWhyNot) {
+  const Scene scene = uneven_step_scene();
+  if (const std::string why = obstacle(GetParam(), scene); !why.empty()) {
+    EXPECT_FALSE(GetParam().starts_with("stbvh"));
+    EXPECT_NE(why.find("equidistant steps, 129 at most"), std::string::npos) << why;
+    EXPECT_THROW(build_structure(GetParam(), scene, 1), std::runtime_error);
+    return;
+  }
+  const auto structure = build_structure(GetParam(), scene, 2);
+  const Oracle oracle(scene);
+  for (const RayKind kind : {RayKind::kUniform, RayKind::kPrimary, RayKind::kUniformOccluded}) {
+    const RaySet rays = make_rays(kind, scene, *structure, 5000, 11);
+    const ErrorCounts counts =
+        judge(oracle, 17.0, rays, oracle.answers(rays.rays), trace_all(*structure, rays));
+    EXPECT_GT(counts.oracle_hits, 500u);
+    EXPECT_EQ(counts.missed, 0u) << ray_kind_name(kind);
+    EXPECT_EQ(counts.false_hits, 0u) << ray_kind_name(kind);
+    EXPECT_EQ(counts.wrong_primitive, 0u) << ray_kind_name(kind);
+    EXPECT_LT(counts.within_rounding, 5u) << ray_kind_name(kind);
+  }
+}
+
+TEST_P(EachStructure, TakesMoreStepsThanEmbreeOrSaysWhyNot) {
+  Scene scene;
+  Pcg32 random(5);
+  scene.meshes.push_back(wandering_triangles(10, kMaxSceneSteps + 1, random));
+  const std::string why = obstacle(GetParam(), scene);
+  EXPECT_EQ(why.empty(), GetParam().starts_with("stbvh")) << why;
+  scene.meshes[0].indices.clear();  // of which nothing is built
+  EXPECT_EQ(obstacle("embree", scene), "");
+}
+
 TEST_P(EachStructure, WeighsItself) {
   const auto structure = build_structure(GetParam(), scene_for(GetParam(), 2000), 2);
   const BuildRecord& record = structure->build_record();

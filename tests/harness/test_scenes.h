@@ -67,6 +67,28 @@ inline Scene mixed_step_scene(std::size_t triangles_per_mesh = 300) {
   return scene;
 }
 
+/// Meshes whose steps have times of their own: few, more than Embree takes, an ulp apart, and there for a
+/// part of the shutter; and two without.
+inline Scene uneven_step_scene(std::size_t triangles_per_mesh = 300) {
+  Scene scene;
+  scene.name = "uneven";
+  scene.camera.position = {5, 5, 30};
+  scene.camera.target = {5, 5, 5};
+  Pcg32 random(8);
+  std::vector<float> many;
+  for (int i = 0; i <= 200; ++i) {
+    const float f = static_cast<float>(i) / 200.0f;
+    many.push_back(f * f);
+  }
+  for (const std::vector<float>& times : std::initializer_list<std::vector<float>>{
+           {}, {0, 0.1f, 1}, many, {0, 0.5f, 0.5f + 0x1p-24f, 0.9f, 1}, {0.25f, 0.3f, 0.7f}}) {
+    scene.meshes.push_back(wandering_triangles(triangles_per_mesh, times.empty() ? 4 : times.size(), random));
+    scene.meshes.back().step_times = times;
+  }
+  scene.meshes.push_back(wandering_triangles(triangles_per_mesh, 1, random));
+  return scene;
+}
+
 inline Ray ray_along_z(float x, float y, float time = 0.0f) {
   return {.origin = {x, y, -1},
           .tnear = 0,

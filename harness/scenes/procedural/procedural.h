@@ -15,7 +15,7 @@ struct ProceduralScene {
   std::string_view description;  ///< one line
   double default_scale;          ///< share of the triangles of the paper's table that a laptop holds easily
   Scene (*make)(double scale, std::uint64_t seed);
-  /// The same motion with `steps` steps, 2 to kMaxSceneSteps, of all that moves; null where not all of it has
+  /// The same motion with `steps` steps, 2 to kMaxSteps, of all that moves; null where not all of it has
   /// the same number.
   Scene (*make_with_steps)(double scale, std::uint64_t seed, std::size_t steps) = nullptr;
 };
