@@ -54,21 +54,24 @@ ShutterMode shutter_mode(const std::string& name) {
   return index_of("shutter mode", name, kModes) == 0 ? ShutterMode::kClamp : ShutterMode::kLoop;
 }
 
-/// A number of steps, or auto:E.
+/// A number of steps, auto:E, keys, or keys:E.
 void set_steps(const std::string& steps, GltfOptions& gltf) {
-  constexpr std::string_view kAuto = "auto:";
-  if (steps.starts_with(kAuto)) {
-    const auto share = parse_number(std::string_view(steps).substr(kAuto.size()));
+  gltf.at_keys = steps.starts_with("keys");
+  gltf.largest_deviation.reset();
+  if (steps == "keys") return;
+  if (steps.starts_with("auto:") || steps.starts_with("keys:")) {
+    const auto share = parse_number(std::string_view(steps).substr(5));
     if (!share || !(*share > 0) || !(*share < 1)) {
-      throw UsageError(
-          fmt::format("--steps auto:E takes an E between 0 and 1, as in auto:1e-3, not \"{}\".", steps));
+      throw UsageError(fmt::format("--steps {0}:E takes an E between 0 and 1, as in {0}:1e-3, not \"{1}\".",
+                                   steps.substr(0, 4), steps));
     }
     gltf.largest_deviation = *share;
     return;
   }
   const auto count = parse_number(steps);
   if (!count || !(*count >= 1) || !(*count <= double{kMaxSceneSteps}) || *count != std::floor(*count)) {
-    throw UsageError(fmt::format("--steps must be 1 to {}, or auto:E, not \"{}\".", kMaxSceneSteps, steps));
+    throw UsageError(
+        fmt::format("--steps must be 1 to {}, auto:E, keys or keys:E, not \"{}\".", kMaxSceneSteps, steps));
   }
   gltf.steps = static_cast<std::size_t>(*count);
 }
@@ -136,8 +139,9 @@ void add_making_options(CLI::App& app, MakingOptions& m) {
       ->default_str("clamp");
   app.add_option_function<std::string>(
          "--steps", [&m](const auto& steps) { set_steps(steps, m.gltf); },
-         "glTF: steps of each moving mesh; or auto:E, for each mesh as few as keep it within E times "
-         "the diagonal of its true motion, as in auto:1e-3")
+         "glTF: steps of each moving mesh; auto:E, for each mesh as few as keep it within E times "
+         "the diagonal of its true motion, as in auto:1e-3; or keys, those of the file, with more between "
+         "them where motion is curved: within 1e-5 of the diagonal, or within E with keys:E")
       ->default_str(std::to_string(m.gltf.steps));
   add_number_option(
       app, "--step", m.obj_step, kLargestObjStep,

@@ -27,6 +27,8 @@ void run(Bytes bytes) {
   options.shutter_mode = harness::ShutterMode::kLoop;
   options.largest_deviation = 1e-2;
   read(file, options);
+  options.at_keys = true;
+  read(file, options);
 }
 
 }  // namespace stbvh::fuzz

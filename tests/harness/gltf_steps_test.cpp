@@ -14,35 +14,8 @@
 namespace stbvh::harness {
 namespace {
 
-using Floats = std::vector<float>;
-
-class GltfStepsTest : public GltfTest {
+class GltfStepsTest : public AnimatedGltfTest {
  protected:
-  /// Adds keys for a property of `node`.
-  static void animate_node(Document& d, int node, const std::string& path, const Floats& times,
-                           const Floats& values, const std::string& interpolation = "LINEAR") {
-    json& animation = d.root["animations"][0];
-    const int input = d.add<float>("SCALAR", 5126, times);
-    const int output = d.add<float>(path == "rotation" ? "VEC4" : "VEC3", 5126, values);
-    animation["channels"].push_back(
-        {{"sampler", animation["channels"].size()}, {"target", {{"node", node}, {"path", path}}}});
-    animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", interpolation}});
-  }
-
-  /// Along x, from key to key.
-  static Document sliding(const Floats& times, const Floats& x, const std::string& interpolation = "LINEAR") {
-    Document d;
-    Floats values;
-    for (const float place : x) values.insert(values.end(), {place, 0, 0});
-    animate_node(d, 0, "translation", times, values, interpolation);
-    return d;
-  }
-
-  static void turn_by_90_degrees(Document& d, int node) {
-    const float half = std::sqrt(0.5f);
-    animate_node(d, node, "rotation", {0, 1}, {0, 0, 0, 1, 0, 0, half, half});
-  }
-
   Scene load(const Document& d, const GltfOptions& options) {
     warnings.clear();
     return load_gltf(write("file.glb", d.bytes()), options,

@@ -158,11 +158,12 @@ void evaluate_linear(std::span<const double> from, std::span<const double> to, d
 
 }  // namespace
 
-void Channel::evaluate(double time, std::span<double> result) const {
+void Channel::evaluate(double time, Side side, std::span<double> result) const {
   const bool cubic = interpolation == Interpolation::kCubicSpline;
   const std::size_t row = cubic ? 3 * width : width;
   const std::span<const double> all(values);
-  const auto behind = std::upper_bound(times.begin(), times.end(), time);
+  const auto behind = side == Side::kAfter ? std::upper_bound(times.begin(), times.end(), time)
+                                           : std::lower_bound(times.begin(), times.end(), time);
   const std::size_t next = static_cast<std::size_t>(behind - times.begin());
   if (next == 0 || next == times.size() || interpolation == Interpolation::kStep) {
     const std::size_t key = next == 0 ? 0 : next - 1;

@@ -22,6 +22,9 @@ enum class AnimatedProperty {
 };
 enum class Interpolation { kStep, kLinear, kCubicSpline };
 
+/// Where something jumps, it has two values at one time.
+enum class Side { kBefore, kAfter };
+
 /// What a channel moves.
 struct Target {
   std::size_t node = 0;
@@ -39,7 +42,7 @@ struct Channel {
   std::vector<double> values;
 
   /// Writes `width` numbers; before the first and behind the last key, the property keeps that key's value.
-  void evaluate(double time, std::span<double> result) const;
+  void evaluate(double time, Side side, std::span<double> result) const;
 };
 
 struct Clip {

@@ -17,6 +17,7 @@
 #include "harness/scenes/gltf/adaptive_steps.h"
 #include "harness/scenes/gltf/clip.h"
 #include "harness/scenes/gltf/gltf_file.h"
+#include "harness/scenes/gltf/key_steps.h"
 #include "harness/scenes/gltf/left_out.h"
 #include "harness/scenes/gltf/pose.h"
 #include "harness/scenes/gltf/primitive.h"
@@ -177,6 +178,12 @@ double step_fraction(std::size_t step, std::size_t steps) {
 
 using Steps = std::vector<VertexBuffer>;
 
+/// Steps of a part, and their ray times where they are not equidistant.
+struct Motion {
+  Steps steps;
+  std::vector<float> times;
+};
+
 /// One step if all are the same.
 void merge_if_still(Steps& steps) {
   const bool still = std::all_of(steps.begin() + 1, steps.end(),
@@ -191,16 +198,17 @@ bool moves(const Part& part, const Timeline& timeline) {
 
 /// `count` positions of each part that moves, at equidistant times while it is visible, one of the others.
 /// Parts that are visible all the time share poses.
-std::vector<Steps> equidistant_steps(const std::vector<Part>& parts, const Timeline& timeline,
-                                     std::size_t count) {
-  std::vector<Steps> result(parts.size());
+std::vector<Motion> equidistant_steps(const std::vector<Part>& parts, const Timeline& timeline,
+                                      std::size_t count) {
+  std::vector<Motion> result(parts.size());
   for (std::size_t p = 0; p < parts.size(); ++p) {
-    if (parts[p].is_whole()) result[p].resize(moves(parts[p], timeline) ? count : 1);
+    if (parts[p].is_whole()) result[p].steps.resize(moves(parts[p], timeline) ? count : 1);
   }
   for_all(count, [&](std::size_t i) {
     const Pose pose = timeline.pose(step_fraction(i, count));
     for (std::size_t p = 0; p < parts.size() && !tbb::is_current_task_group_canceling(); ++p) {
-      if (i < result[p].size()) result[p][i] = deform(parts[p].source->primitive, timeline.rig(), pose);
+      Steps& steps = result[p].steps;
+      if (i < steps.size()) steps[i] = deform(parts[p].source->primitive, timeline.rig(), pose);
     }
   });
   for_all(parts.size(), [&](std::size_t p) {
@@ -209,9 +217,9 @@ std::vector<Steps> equidistant_steps(const std::vector<Part>& parts, const Timel
       const Rig rig = timeline.rig().part(primitive.node, primitive.skin);
       const Timeline own = timeline.part(rig, parts[p].begin, parts[p].end);
       for (std::size_t i = 0; i < count; ++i)
-        result[p].push_back(deform(primitive, rig, own.pose(step_fraction(i, count))));
+        result[p].steps.push_back(deform(primitive, rig, own.pose(step_fraction(i, count))));
     }
-    merge_if_still(result[p]);
+    merge_if_still(result[p].steps);
   });
   return result;
 }
@@ -234,46 +242,110 @@ double scene_diagonal(const std::vector<Part>& parts, const Timeline& timeline) 
                     double{box.upper.z} - box.lower.z);
 }
 
-/// As many steps for each part as it needs.
-std::vector<Steps> adaptive_steps(const std::vector<Part>& parts, const Timeline& timeline, double share,
-                                  const SceneWarning& warn) {
+/// Ray times while a part is visible.
+TimeRange range_of(const Part& part) {
+  return {static_cast<float>(part.begin), static_cast<float>(part.end)};
+}
+
+/// Within one float each.
+bool are_equidistant(const std::vector<float>& times) {
+  const double begin = times.front(), length = times.back() - begin;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    const auto place = static_cast<float>(begin + length * step_fraction(i, times.size()));
+    if (std::nextafter(times[i], place) != place) return false;
+  }
+  return true;
+}
+
+/// Those that need more steps than there can be to stay within a share of the diagonal.
+struct TooFew {
+  std::size_t meshes = 0;
+  double furthest = 0;  ///< of the diagonal
+
+  void add(double deviation, double share, double diagonal) {
+    meshes += deviation > share * diagonal ? 1u : 0u;
+    furthest = std::max(furthest, deviation / diagonal);
+  }
+};
+
+/// Calls make(part, its timeline, diagonal) for each part that moves, and gives the others one step; tells
+/// `warn` of those that are further than `share` of the diagonal from their true places then.
+template <class Make>
+std::vector<Motion> chosen_steps(const std::vector<Part>& parts, const Timeline& timeline, double share,
+                                 std::size_t most_steps, const SceneWarning& warn, const Make& make) {
   const double diagonal = scene_diagonal(parts, timeline);
-  std::vector<Steps> result;
-  std::size_t too_few = 0;
-  double worst = 0;
+  std::vector<Motion> result;
+  TooFew too_few;
   const Pose first = timeline.pose(0);
   for (const Part& part : parts) {
     const Primitive& primitive = part.source->primitive;
+    Motion& motion = result.emplace_back();
     if (!moves(part, timeline)) {
-      result.emplace_back().push_back(deform(primitive, timeline.rig(), first));
+      motion.steps.push_back(deform(primitive, timeline.rig(), first));
       continue;
     }
     const Rig rig = timeline.rig().part(primitive.node, primitive.skin);
-    AdaptiveSteps chosen =
-        choose_steps(primitive, timeline.part(rig, part.begin, part.end), share * diagonal);
-    too_few += chosen.deviation > share * diagonal ? 1u : 0u;
-    worst = std::max(worst, chosen.deviation);
-    result.push_back(std::move(chosen.steps));
+    too_few.add(make(part, timeline.part(rig, part.begin, part.end), share * diagonal, motion), share,
+                diagonal);
   }
-  if (too_few > 0) {
+  if (too_few.meshes > 0) {
     warn(
         fmt::format("{} of {} meshes stay further than {:.3g} of the diagonal from their true places even "
                     "with {} steps; the furthest {:.3g}",
-                    too_few, parts.size(), share, kMaxSceneSteps, worst / diagonal));
+                    too_few.meshes, parts.size(), share, most_steps, too_few.furthest));
   }
   return result;
 }
 
-Mesh make_mesh(const Part& part, Steps steps) {
+/// As many steps for each part as it needs.
+std::vector<Motion> adaptive_steps(const std::vector<Part>& parts, const Timeline& timeline, double share,
+                                   const SceneWarning& warn) {
+  return chosen_steps(parts, timeline, share, kMaxSceneSteps, warn,
+                      [](const Part& part, const Timeline& own, double tolerance, Motion& motion) {
+                        AdaptiveSteps chosen = choose_steps(part.source->primitive, own, tolerance);
+                        motion.steps = std::move(chosen.steps);
+                        return chosen.deviation;
+                      });
+}
+
+/// At the keys of what each part follows; without times where these are equidistant.
+std::vector<Motion> keyed_steps(const std::vector<Part>& parts, const Timeline& timeline, double share,
+                                double most_bytes, const SceneWarning& warn) {
+  return chosen_steps(parts, timeline, share, kMaxSteps, warn,
+                      [&](const Part& part, const Timeline& own, double tolerance, Motion& motion) {
+                        KeySteps keyed =
+                            steps_at_keys(part.source->primitive, own, range_of(part), tolerance, most_bytes);
+                        for (const VertexBuffer& step : keyed.steps)
+                          most_bytes -= static_cast<double>(step.size() * sizeof(Vec3f));
+                        motion.steps = std::move(keyed.steps);
+                        merge_if_still(motion.steps);
+                        if (motion.steps.size() > 1 && !are_equidistant(keyed.times))
+                          motion.times = std::move(keyed.times);
+                        return keyed.deviation;
+                      });
+}
+
+Mesh make_mesh(const Part& part, Motion motion) {
   Mesh mesh;
   mesh.name = part.source->name;
   mesh.material = part.source->material;
   mesh.indices = part.source->primitive.geometry->indices;
-  mesh.steps = std::move(steps);
+  mesh.steps = std::move(motion.steps);
+  mesh.step_times = std::move(motion.times);
   if (part.is_whole()) return mesh;
-  mesh.time_range = {static_cast<float>(part.begin), static_cast<float>(part.end)};
+  mesh.time_range = range_of(part);
   if (mesh.is_static()) mesh.steps.push_back(mesh.steps.front());  // those with one step are always visible
   return mesh;
+}
+
+std::vector<Motion> make_motions(const Model& model, const std::vector<Part>& parts, const Timeline& timeline,
+                                 const GltfOptions& options, const SceneWarning& warn) {
+  if (options.at_keys) {
+    return keyed_steps(parts, timeline, options.largest_deviation.value_or(kKeyDeviation),
+                       most_bytes_of(model), warn);
+  }
+  if (options.largest_deviation) return adaptive_steps(parts, timeline, *options.largest_deviation, warn);
+  return equidistant_steps(parts, timeline, options.steps);
 }
 
 void check_options(const GltfOptions& options) {
@@ -295,8 +367,10 @@ Scene load(const std::filesystem::path& file, const GltfOptions& options, const 
   const NodeTree tree(model);
   const std::vector<std::size_t> nodes = nodes_of_scene(model, tree, options.scene, warn);
   const std::optional<ClipSource> clip_source = find_clip(model, options.clip);
-  const std::size_t most_steps = options.largest_deviation ? kMaxSceneSteps : options.steps;
-  check_sizes(model, tree, nodes, clip_source ? &*clip_source : nullptr, most_steps);
+  const std::size_t most_steps =
+      options.at_keys || options.largest_deviation ? kMaxSceneSteps : options.steps;
+  // How many keys make is known when they are made.
+  check_sizes(model, tree, nodes, clip_source ? &*clip_source : nullptr, options.at_keys ? 1 : most_steps);
   warn_of_what_is_left_out(model, nodes, clip_source ? &*clip_source : nullptr, warn);
 
   std::optional<Clip> clip;
@@ -311,13 +385,11 @@ Scene load(const std::filesystem::path& file, const GltfOptions& options, const 
   const std::vector<Part> parts = visible_parts(primitives, timeline);
   if (parts.empty()) fail("all meshes of its scene are hidden");
 
-  std::vector<Steps> steps = options.largest_deviation
-                                 ? adaptive_steps(parts, timeline, *options.largest_deviation, warn)
-                                 : equidistant_steps(parts, timeline, options.steps);
+  std::vector<Motion> motions = make_motions(model, parts, timeline, options, warn);
   Scene scene;
   scene.name = file.stem().string();
   for (std::size_t i = 0; i < parts.size(); ++i)
-    scene.meshes.push_back(make_mesh(parts[i], std::move(steps[i])));
+    scene.meshes.push_back(make_mesh(parts[i], std::move(motions[i])));
   leave_out_invalid_triangles(scene, file, tell);
   if (scene.meshes.empty()) fail("none of its triangles can be shown");
   add_surroundings(model, timeline, nodes, most_steps, warn, scene);

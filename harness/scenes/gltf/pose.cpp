@@ -14,29 +14,29 @@ const std::vector<double>& resting_weights(const Model& model, std::size_t node)
   return source.weights.empty() && has_mesh ? model.meshes[*source.mesh].weights : source.weights;
 }
 
-void apply(const Channel& channel, double time, TranslationRotationScale& transform,
+void apply(const Channel& channel, double time, Side side, TranslationRotationScale& transform,
            std::vector<double>& weights, bool& is_visible) {
   switch (channel.target.property) {
     case AnimatedProperty::kTranslation:
-      channel.evaluate(time, transform.translation);
+      channel.evaluate(time, side, transform.translation);
       break;
     case AnimatedProperty::kRotation:
-      channel.evaluate(time, transform.rotation);
+      channel.evaluate(time, side, transform.rotation);
       break;
     case AnimatedProperty::kScale:
-      channel.evaluate(time, transform.scale);
+      channel.evaluate(time, side, transform.scale);
       break;
     case AnimatedProperty::kWeights:
       weights.resize(channel.width);
-      channel.evaluate(time, weights);
+      channel.evaluate(time, side, weights);
       break;
     case AnimatedProperty::kWeight:
       if (channel.target.weight < weights.size())
-        channel.evaluate(time, std::span(weights).subspan(channel.target.weight, 1));
+        channel.evaluate(time, side, std::span(weights).subspan(channel.target.weight, 1));
       break;
     case AnimatedProperty::kVisibility: {
       double value = 1;
-      channel.evaluate(time, {&value, 1});
+      channel.evaluate(time, side, {&value, 1});
       is_visible = value != 0;
       break;
     }
@@ -156,14 +156,14 @@ void Rig::rest(Pose& pose, std::vector<TranslationRotationScale>& transforms) co
   }
 }
 
-Pose Rig::pose(double time) const {
+Pose Rig::pose(double time, Side side) const {
   Pose pose;
   std::vector<TranslationRotationScale> transforms;
   rest(pose, transforms);
   for (const Channel* channel : channels_) {
     const std::size_t i = slot(channel->target.node);
     bool is_visible = pose.visible[i];
-    apply(*channel, time, transforms[i], pose.weights[i], is_visible);
+    apply(*channel, time, side, transforms[i], pose.weights[i], is_visible);
     pose.visible[i] = is_visible;
   }
   pose.world.resize(nodes_.size());

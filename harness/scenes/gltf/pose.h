@@ -41,7 +41,7 @@ class Rig {
   std::size_t skin_slot(std::size_t skin) const;
 
   /// What the clip does not animate, or everything without a clip, stands as in the file.
-  Pose pose(double time) const;
+  Pose pose(double time, Side side = Side::kAfter) const;
 
   /// Whether the clip moves a node or one above it; or the mesh at it, with that skin.
   bool moves(std::size_t node) const { return moves_[slot(node)]; }

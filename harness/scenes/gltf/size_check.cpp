@@ -52,8 +52,7 @@ class SizeCheck {
   }
 
   void check() const {
-    const double most = std::min(static_cast<double>(kMaxSceneFileBytes),
-                                 kFreeBytes + kMaxExpansion * static_cast<double>(model_.bytes));
+    const double most = most_bytes_of(model_);
     if (bytes_ <= most) return;
     fail("it would need {:.3g} GB with {:.0f} steps; a file of {} bytes may need {:.3g} GB", bytes_ / 1e9,
          steps_, model_.bytes, most / 1e9);
@@ -127,6 +126,11 @@ class SizeCheck {
 };
 
 }  // namespace
+
+double most_bytes_of(const Model& model) {
+  return std::min(static_cast<double>(kMaxSceneFileBytes),
+                  kFreeBytes + kMaxExpansion * static_cast<double>(model.bytes));
+}
 
 void check_sizes(const Model& model, const NodeTree& tree, const std::vector<std::size_t>& nodes,
                  const ClipSource* clip, std::size_t steps) {

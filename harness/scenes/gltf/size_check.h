@@ -10,9 +10,12 @@
 
 namespace stbvh::harness::gltf {
 
+/// Most bytes that a file may ask for: kMaxExpansion times its own, or kFreeBytes more.
+double most_bytes_of(const Model& model);
+
 /// Throws Problem where keys, geometry, instances and `steps` positions of all that moves, together, need
-/// more than a file of that size may ask for (kMaxExpansion times its bytes, or kFreeBytes more), or an
-/// accessor among them reaches beyond its data. `nodes` are those of the scene.
+/// more than most_bytes_of(model), or an accessor among them reaches beyond its data. `nodes` are those of
+/// the scene.
 void check_sizes(const Model& model, const NodeTree& tree, const std::vector<std::size_t>& nodes,
                  const ClipSource* clip, std::size_t steps);
 

@@ -16,7 +16,7 @@ Timeline::Timeline(const Rig& rig, const Clip* clip, const GltfOptions& options)
   if (!options.shutter_seconds) return;
   begin_ = static_cast<double>(options.shutter_seconds->begin);
   end_ = static_cast<double>(options.shutter_seconds->end);
-  const bool needs_duration = options.largest_deviation || options.steps > 1;
+  const bool needs_duration = options.at_keys || options.largest_deviation || options.steps > 1;
   if (!std::isfinite(begin_) || !std::isfinite(end_) || (needs_duration && begin_ >= end_)) {
     fail("the shutter must open before it closes, but {} to {} seconds is asked for", begin_, end_);
   }
@@ -34,34 +34,49 @@ Timeline Timeline::part(const Rig& rig, double begin, double end) const {
   return timeline;
 }
 
-double Timeline::clip_time(double time) const {
+double Timeline::repeated(double time) const {
   if (!loops_ || (time >= clip_begin_ && time <= clip_end_)) return time;
   const double behind = std::fmod(time - clip_begin_, period());
   return clip_begin_ + (behind < 0 ? behind + period() : behind);
 }
 
-Pose Timeline::pose(double fraction) const {
-  return rig_->pose(clip_time(begin_ + (end_ - begin_) * fraction));
-}
-
-std::vector<double> Timeline::key_fractions() const {
-  std::vector<double> fractions;
-  if (is_instant()) return fractions;
+std::vector<Timeline::Moment> Timeline::moments() const {
+  std::vector<Moment> moments;
+  if (is_instant()) return moments;
   double first = 0, last = 0;  // repeats that the shutter reaches
   if (loops_) {
     first = std::floor((begin_ - clip_begin_) / period());
     last = std::floor((end_ - clip_begin_) / period());
   }
+  const auto add = [&](double before, double after) {
+    for (double repeat = first; repeat <= last; ++repeat) {
+      const double fraction = (before + (loops_ ? repeat * period() : 0) - begin_) / (end_ - begin_);
+      if (fraction >= 0 && fraction <= 1) moments.push_back({fraction, before, after});
+    }
+  };
+  if (loops_) {
+    --first;  // whose end may be the shutter's beginning
+    add(clip_end_, clip_begin_);
+  }
   for (const Channel* channel : rig_->channels()) {
-    for (const double key : channel->times) {
-      for (double repeat = first; repeat <= last; ++repeat) {
-        const double fraction = (key + (loops_ ? repeat * period() : 0) - begin_) / (end_ - begin_);
-        if (fraction > 0 && fraction < 1) fractions.push_back(fraction);
-      }
+    for (std::size_t i = 0; i < channel->times.size(); ++i) {
+      const double key = channel->times[i];
+      const bool is_new = i == 0 || key != channel->times[i - 1];
+      const bool is_at_repeat = loops_ && (key == clip_begin_ || key == clip_end_);
+      if (is_new && !is_at_repeat) add(key, key);
     }
   }
-  std::sort(fractions.begin(), fractions.end());
-  fractions.erase(std::unique(fractions.begin(), fractions.end()), fractions.end());
+  std::sort(moments.begin(), moments.end(),
+            [](const Moment& a, const Moment& b) { return a.fraction < b.fraction; });
+  return moments;
+}
+
+std::vector<double> Timeline::key_fractions() const {
+  std::vector<double> fractions;
+  for (const Moment& moment : moments()) {
+    const bool is_new = fractions.empty() || moment.fraction != fractions.back();
+    if (is_new && moment.fraction > 0 && moment.fraction < 1) fractions.push_back(moment.fraction);
+  }
   return fractions;
 }
 

@@ -23,13 +23,22 @@ class Timeline {
   bool is_instant() const { return !(begin_ < end_); }
   const Rig& rig() const { return *rig_; }
   /// At 0, when the shutter opens, to 1, when it closes.
-  Pose pose(double fraction) const;
-  /// Fractions inside (0, 1) at which a channel of the rig has a key or a clip begins again; ascending, each
-  /// once.
+  Pose pose(double fraction) const { return rig_->pose(clip_time(fraction)); }
+  /// Seconds of the clip, likewise.
+  double clip_time(double fraction) const { return repeated(begin_ + (end_ - begin_) * fraction); }
+
+  /// When a channel of the rig has a key or the clip begins again.
+  struct Moment {
+    double fraction;       ///< of the shutter
+    double before, after;  ///< seconds of the clip
+  };
+  /// Those in [0, 1], ascending.
+  std::vector<Moment> moments() const;
+  /// Their fractions inside (0, 1), each once.
   std::vector<double> key_fractions() const;
 
  private:
-  double clip_time(double time) const;
+  double repeated(double time) const;
   double period() const { return clip_end_ - clip_begin_; }
 
   const Rig* rig_;
