@@ -70,9 +70,10 @@ def draw_pareto(records):
 
 
 def main(records_path, picture_path):
-    records = [r for r in read_records([records_path]) if r["kind"] == "pareto"]
+    # Of structures that no scene compares with embree there is no speed.
+    records = [r for r in read_records([records_path]) if r["kind"] == "pareto" and r["ratio_to_embree"] > 0]
     if not records:
-        fail(f'There are no records of kind "pareto" in "{records_path}".')
+        fail(f'There are no records of kind "pareto" with speeds in "{records_path}".')
     save(draw_pareto(records), picture_path)
 
 

@@ -125,7 +125,7 @@ struct SceneSummary {
 /// A structure as a point of speed against error.
 struct ParetoResult {
   std::string structure;
-  Spread ratio_to_embree;  ///< geometric mean, least and largest over scenes and kinds of rays
+  Spread ratio_to_embree;  ///< geometric mean, least and largest over scenes and kinds of rays; 0: of none
   std::size_t aimed = 0;   ///< rays at vertices and edges of closed moving meshes, from inside
   std::size_t leaks = 0;
   std::size_t thin = 0;        ///< rays at needles and slivers

@@ -36,7 +36,7 @@ def main_structure(names):
 
 
 def times(value):
-    return f"{value:.2f}×"
+    return f"{value:.2f}×" if value > 0 else "-"
 
 
 # --- summary ---

@@ -208,9 +208,10 @@ std::string pareto_table(const std::vector<ParetoResult>& points) {
                                  "differ on needles", "t err p99");
   for (const ParetoResult& p : points) {
     const Spread& ratio = p.ratio_to_embree;
-    text += fmt::format("{:<21}{:>20}{:>22}{:>22}{:>12.1e}\n", p.structure,
-                        fmt::format("{:.2f} ({:.2f}-{:.2f})", ratio.median, ratio.min, ratio.max),
-                        rate(p.leaks, p.aimed), rate(p.differing, p.thin), p.t_error_rel_p99);
+    text += fmt::format(
+        "{:<21}{:>20}{:>22}{:>22}{:>12.1e}\n", p.structure,
+        ratio.median > 0 ? fmt::format("{:.2f} ({:.2f}-{:.2f})", ratio.median, ratio.min, ratio.max) : "-",
+        rate(p.leaks, p.aimed), rate(p.differing, p.thin), p.t_error_rel_p99);
   }
   return text +
          "times embree: geometric mean over scenes, bounce and uniform rays (least and largest); leaks: of "

@@ -249,6 +249,20 @@ TEST_F(Records, OfUnevenStepsAreOurs) {
   }
 }
 
+/// Of a structure that is compared with nothing there is no speed.
+TEST_F(Records, OfParetoHaveNoSpeedOverStepsThatEmbreeDoesNotTake) {
+  const std::string pareto =
+      "pareto --scenes wheels --scale 0.01 --structures stbvh-direct --repeats 1 --count 100 "
+      "--resample-steps 130 --json " +
+      at("records.json");
+  const Outcome run = stbvh_ab(pareto);
+  EXPECT_EQ(run.exit_code, 0) << run.out;
+  const std::size_t row = run.out.rfind("\nstbvh-direct ");
+  ASSERT_NE(row, std::string::npos) << run.out;
+  EXPECT_NE(run.out.substr(row, 60).find(" - "), std::string::npos) << run.out;
+  EXPECT_EQ(stbvh_ab(pareto + " --plot " + at("pareto.png")).exit_code, 2);
+}
+
 TEST(Program, ConvertRefusesStepsThatTheFormatDoesNotHave) {
   const Outcome run = stbvh_ab("convert wheels --scale 0.01 --resample-steps 130 -o /tmp/stbvh_none.xml");
   EXPECT_EQ(run.exit_code, 2) << run.out;
