@@ -4,6 +4,7 @@
 
 #include "harness/oracle/judge.h"
 #include "harness/rays/ray_generator.h"
+#include "harness/scenes/procedural/procedural.h"
 #include "harness/structures/embree_device.h"
 #include "harness/structures/lbvh.h"
 #include "harness/structures/memory_estimate.h"
@@ -216,6 +217,17 @@ TEST(MemoryEstimate, GrowsWithWhatAStructureHolds) {
   EXPECT_GT(estimate_peak_bytes("lbvh", scene), estimate_peak_bytes("embree", scene));
   EXPECT_GT(estimate_peak_bytes("lbvh-4v", scene), estimate_peak_bytes("lbvh", scene));
   EXPECT_GT(available_memory_bytes(), 0u);
+}
+
+TEST(MemoryEstimate, OfOursIsNotFarFromTheTruthForManySteps) {
+  for (const std::size_t steps : {16u, 129u, 600u}) {
+    const Scene scene = find_procedural_scene("barbarian-rotate")->make_with_steps(0.02, 1, steps);
+    const auto estimate = static_cast<double>(estimate_peak_bytes("stbvh-direct", scene));
+    const auto peak =
+        static_cast<double>(build_structure("stbvh-direct", scene, 1)->build_record().peak_bytes);
+    EXPECT_GT(estimate, peak) << steps;
+    EXPECT_LT(estimate, 10 * peak) << steps;
+  }
 }
 
 }  // namespace

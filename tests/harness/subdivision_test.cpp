@@ -318,7 +318,7 @@ TEST(Subdivision, BadCagesAreRefused) {
       {"has vertex 8, but there are only 8", [](auto& c) { c.face_vertices[3] = 8; }},
       {"face 0 of the cage has vertex 4 twice", [](auto& c) { c.face_vertices[0] = 4; }},
       {"0 steps", [](auto& c) { c.steps.clear(); }},
-      {"130 steps", [](auto& c) { c.steps.resize(130, c.steps[0]); }},
+      {"4097 steps", [](auto& c) { c.steps.resize(4097, c.steps[0]); }},
       {"step 1 of the cage has 7 vertices", [](auto& c) { c.steps.emplace_back(7); }},
       {"the sharpness -1",
        [](auto& c) {

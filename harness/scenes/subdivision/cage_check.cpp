@@ -51,8 +51,8 @@ void check_valences(const SubdivisionCage& cage, std::size_t vertex_count) {
 }
 
 void check_steps(const std::vector<VertexBuffer>& steps) {
-  if (steps.empty() || steps.size() > kMaxSceneSteps) {
-    fail("the cage has {} steps, but 1 to {} are possible", steps.size(), kMaxSceneSteps);
+  if (steps.empty() || steps.size() > kMaxSteps) {
+    fail("the cage has {} steps, but 1 to {} are possible", steps.size(), kMaxSteps);
   }
   if (steps.front().size() > kMostVertices) fail("the cage has {} vertices", steps.front().size());
   for (std::size_t s = 0; s < steps.size(); ++s) {

@@ -13,7 +13,7 @@ namespace stbvh::harness {
 struct SubdivisionCage {
   std::vector<std::uint32_t> face_sizes;     ///< corners of each face, at least 3
   std::vector<std::uint32_t> face_vertices;  ///< corners of all faces, one after another
-  std::vector<VertexBuffer> steps;           ///< cage positions, 1 to kMaxSceneSteps, all of the same size
+  std::vector<VertexBuffer> steps;           ///< cage positions, 1 to kMaxSteps, all of the same size
 
   /// Sharpness 0 is smooth; each level takes 1 away; from 10 on the edge or vertex stays sharp at all levels.
   struct Crease {
