@@ -189,6 +189,15 @@ TEST_F(GltfKeysTest, MayNotNeedMoreMemoryThanTheFileMay) {
   expect_refused(write("file.glb", d.bytes()), "would need more memory", options);
 }
 
+TEST_F(GltfKeysTest, VerticesThatAreNowhereAreRefusedInTheEnd) {
+  Document d = sliding({0, 1}, {0, 1});
+  const float nan = std::nanf("");
+  d.primitive()["attributes"]["POSITION"] = d.add<float>("VEC3", 5126, Floats(12, nan));
+  GltfOptions options;
+  options.at_keys = true;
+  expect_refused(write("file.glb", d.bytes()), "none of its triangles can be shown", options);
+}
+
 /// Where all vertices are at random moments of a shutter, against scenes that are read at those moments
 /// alone.
 void expect_true_places(const fs::path& file, TimeRange shutter, const std::string& clip = "") {

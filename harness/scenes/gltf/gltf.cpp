@@ -224,7 +224,7 @@ std::vector<Motion> equidistant_steps(const std::vector<Part>& parts, const Time
   return result;
 }
 
-/// Of the bounds over the shutter, which are looked at 33 times.
+/// Of the bounds over the shutter, which are looked at 33 times; 0 if no vertex is anywhere then.
 double scene_diagonal(const std::vector<Part>& parts, const Timeline& timeline) {
   constexpr std::size_t kLooks = 33;
   Box3f box = Box3f::empty();
@@ -238,6 +238,7 @@ double scene_diagonal(const std::vector<Part>& parts, const Timeline& timeline) 
       }
     }
   }
+  if (box.upper.x < box.lower.x) return 0;
   return std::hypot(double{box.upper.x} - box.lower.x, double{box.upper.y} - box.lower.y,
                     double{box.upper.z} - box.lower.z);
 }
