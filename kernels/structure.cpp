@@ -116,6 +116,16 @@ class StructureImpl final : public Structure {
     make_statistics(context, tree, encoder);
   }
 
+  /// What a structure takes without its nodes and leaves.
+  static std::size_t bytes_beside_block(const BuildContext& context) {
+    std::size_t bytes = sizeof(StructureImpl) + context.meshes.size() * sizeof(MeshRecord);
+    for (const BuildMesh& mesh : context.meshes) {
+      bytes +=
+          mesh.view().steps.size() * sizeof(VertexBufferView) + mesh.view().step_times.size() * sizeof(float);
+    }
+    return bytes;
+  }
+
   bool intersect(const Ray& ray, Hit& hit, const HitFilter* filter) const override {
     return filter == nullptr ? kernels_.intersect(view_, ray, hit)
                              : kernels_.intersect_filtered(view_, ray, hit, *filter);
@@ -209,7 +219,8 @@ class StructureImpl final : public Structure {
       const float* first_time = step_times_.data() + step_times_.size();
       step_views_.insert(step_views_.end(), view.steps.begin(), view.steps.end());
       step_times_.insert(step_times_.end(), view.step_times.begin(), view.step_times.end());
-      mesh_records_.push_back({mesh.grid(), view.mask, view.geom_id, first, first_time});
+      mesh_records_.push_back(
+          {mesh.grid(), view.mask, view.geom_id, first, view.indices, view.index_stride, first_time});
     }
   }
 
@@ -219,9 +230,13 @@ class StructureImpl final : public Structure {
     statistics_.primitive_segments = tree.primitive_segments();
     statistics_.temporal_splits = tree.temporal_splits();
     encoder.add_statistics(statistics_);
-    statistics_.structure_bytes = block_.bytes() + sizeof *this + mesh_records_.size() * sizeof(MeshRecord) +
-                                  step_views_.size() * sizeof(VertexBufferView) +
-                                  step_times_.size() * sizeof(float);
+    statistics_.structure_bytes = block_.bytes() + bytes_beside_block(context);
+    const bool is_limited = context.price.may_index || statistics_.indexed_leaves > 0;
+    statistics_.wanted_bytes = statistics_.structure_bytes;
+    if (is_limited) {
+      const auto wanted = static_cast<std::size_t>(tree.wanted_bytes()) + bytes_beside_block(context);
+      statistics_.wanted_bytes = std::max(statistics_.structure_bytes, wanted);
+    }
     statistics_.steps_kept = step_views_.size();
     for (const BuildMesh& mesh : context.meshes) {
       statistics_.steps_given += mesh.steps_given();
@@ -241,6 +256,42 @@ class StructureImpl final : public Structure {
   StructureView view_{};
   BuildStatistics statistics_;
 };
+
+MemoryLimit over_limit(const BuildSettings& settings, std::size_t needed_bytes) {
+  if (needed_bytes == 0) {
+    return {"the build takes more memory than the limit of its peak, " +
+                std::to_string(settings.max_peak_bytes) + " bytes",
+            0};
+  }
+  return {"the smallest structure takes " + std::to_string(needed_bytes) + " bytes, more than the limit of " +
+              std::to_string(settings.max_bytes),
+          needed_bytes};
+}
+
+/// Builds `tree` and chooses its leaves so that both limits are kept: smaller and smaller trees, until one is
+/// small enough. `beside` is what a structure takes without nodes and leaves.
+Encoder build_within_limits(BuildContext& context, BinaryTree& tree, std::size_t beside) {
+  constexpr int kAttempts = 6;
+  const auto without = [](std::size_t limit, std::size_t bytes) { return limit - std::min(limit, bytes); };
+  const std::size_t most = without(context.settings.max_bytes, beside);
+  double aim = static_cast<double>(most);
+  for (int attempt = 1;; ++attempt) {
+    std::size_t needed = 0;
+    double shrink = 0.7;
+    try {
+      tree.build(aim);
+      const std::size_t left = without(context.settings.max_peak_bytes, context.memory.current() + beside);
+      Encoder encoder(context, tree, std::min(most, left));
+      if (encoder.bytes() <= std::min(most, left) && beside <= context.settings.max_bytes) return encoder;
+      if (encoder.bytes() + beside > context.settings.max_bytes) needed = encoder.bytes() + beside;
+      shrink = 0.9 * static_cast<double>(std::min(most, left)) /
+               static_cast<double>(std::max<std::size_t>(encoder.bytes(), 1));
+    } catch (const BuildMemory::LimitReached&) {
+    }
+    if (aim == 0.0) throw over_limit(context.settings, needed);
+    aim = attempt + 1 < kAttempts ? std::min(aim, tree.wanted_bytes()) * shrink : 0.0;
+  }
+}
 
 /// Rays side by side, and as many answers.
 template <typename Answer>
@@ -279,26 +330,28 @@ std::unique_ptr<Structure> Structure::build(std::span<const MeshView> meshes, co
                                             const BuildCallbacks& callbacks) {
   std::unique_ptr<Structure> structure;
   const auto build_here = [&] {
-    BuildContext context(callbacks);
-    context.settings = settings;
+    BuildContext context(settings, callbacks);
     context.meshes.reserve(meshes.size());
     for (std::size_t i = 0; i < meshes.size(); ++i)
       context.meshes.emplace_back(meshes[i], i, settings.tolerance);
     context.progress.start();
     BinaryTree tree(context);
-    tree.build();
     for (std::size_t i = 0; callbacks.step_bounds && i < meshes.size(); ++i) {
       const BuildMesh& mesh = context.meshes[i];
       callbacks.step_bounds(i, step_bounds(mesh, context.meshlets[i].meshlets()), mesh.view().step_times);
     }
-    const Encoder encoder(context, tree);
+    const Encoder encoder = build_within_limits(context, tree, StructureImpl::bytes_beside_block(context));
     structure = std::make_unique<StructureImpl>(context, callbacks, tree, encoder);
     context.progress.finish();
   };
   // On its own: not cancelled with tasks of the caller, and not interrupted by them while it waits.
   tbb::task_group_context isolated(tbb::task_group_context::isolated);
   tbb::task_group group(isolated);
-  group.run_and_wait([&] { tbb::this_task_arena::isolate(build_here); });
+  try {
+    group.run_and_wait([&] { tbb::this_task_arena::isolate(build_here); });
+  } catch (const BuildMemory::LimitReached&) {
+    throw over_limit(settings, 0);
+  }
   return structure;
 }
 

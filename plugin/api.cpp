@@ -197,13 +197,8 @@ RTCError stbvhSetGeometryPrecision(StbvhGeometry geometry, StbvhPrecision precis
   });
 }
 
-RTCError stbvhSetGeometryInlineShare(StbvhGeometry geometry, float share) {
-  return guarded(geometry, [&](stbvh::plugin::Geometry& g) {
-    if (!(share >= 0.0f && share <= 1.0f)) {
-      throw ApiError(RTC_ERROR_INVALID_ARGUMENT, "share is not within 0 and 1");
-    }
-    g.set_inline_share(share);
-  });
+RTCError stbvhSetGeometryMaxBytes(StbvhGeometry geometry, size_t structureBytes, size_t peakBytes) {
+  return guarded(geometry, [&](stbvh::plugin::Geometry& g) { g.set_max_bytes(structureBytes, peakBytes); });
 }
 
 RTCError stbvhSetGeometryTolerance(StbvhGeometry geometry, float tolerance) {
@@ -292,7 +287,10 @@ RTCError stbvhGetStatistics(StbvhGeometry geometry, StbvhStatistics* statistics)
                                  .peakBytes = values.peak_bytes,
                                  .stepsGiven = values.steps_given,
                                  .stepsKept = values.steps_kept,
-                                 .maxDeviation = values.max_deviation};
+                                 .maxDeviation = values.max_deviation,
+                                 .wantedBytes = values.wanted_bytes,
+                                 .leaves = values.inline_leaves + values.indexed_leaves,
+                                 .indexedLeaves = values.indexed_leaves};
     stbvh::plugin::write_versioned(statistics, result, kFirstStatisticsSize, "statistics");
   });
 }

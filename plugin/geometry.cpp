@@ -55,8 +55,9 @@ void Geometry::set_precision(Precision precision) {
   user_geometry_.require_commit();
 }
 
-void Geometry::set_inline_share(float share) {
-  settings_.inline_share = share;
+void Geometry::set_max_bytes(std::size_t structure_bytes, std::size_t peak_bytes) {
+  settings_.max_bytes = structure_bytes;
+  settings_.max_peak_bytes = peak_bytes;
   user_geometry_.require_commit();
 }
 
@@ -80,6 +81,8 @@ void Geometry::commit() {
   } catch (const BuildCancelled&) {
     if (temporary_memory.refused()) throw std::bad_alloc();
     throw ApiError(RTC_ERROR_CANCELLED, "the progress function cancelled the build");
+  } catch (const MemoryLimit& error) {
+    throw ApiError(RTC_ERROR_OUT_OF_MEMORY, error.what());
   } catch (const InvalidMesh& error) {
     throw ApiError(RTC_ERROR_INVALID_ARGUMENT, error.what());
   }

@@ -27,7 +27,7 @@ class Geometry {
   void add_mesh(MeshDescription mesh);
   void set_mesh(std::size_t index, MeshDescription mesh);
   void set_precision(Precision precision);
-  void set_inline_share(float share);
+  void set_max_bytes(std::size_t structure_bytes, std::size_t peak_bytes);
   void set_tolerance(float tolerance);
   void set_progress(RTCProgressMonitorFunction progress, void* user_ptr);
 

@@ -97,7 +97,8 @@ std::string run_scene(const Scene& scene, const ErrorOptions& options, PinnedThr
   std::string differences;
   for (const std::string& name : names) {
     progress.stage(fmt::format("{}: building {}", scene.name, name));
-    const auto structure = build_structure(name, scene, options.threads);
+    const auto structure = build_within_limit(name, scene, options.threads);
+    if (structure == nullptr) continue;
     for (const JudgedRays& set : sets) {
       std::vector<HitRecord> hits(set.rays.rays.size());
       trace(threads, *structure, set.rays, hits);

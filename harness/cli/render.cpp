@@ -106,7 +106,12 @@ void make_picture(const RenderOptions& options, const Scene& scene, const std::s
                   const fs::path& file, Progress& progress) {
   const std::string label = fmt::format("{}, {}", scene.name, structure_name);
   progress.stage(label + ": building");
-  const auto structure = build_structure(structure_name, scene, options.settings.threads);
+  std::unique_ptr<StructureUnderTest> structure;
+  try {
+    structure = build_structure(structure_name, scene, options.settings.threads);
+  } catch (const OverLimit& limit) {
+    throw UsageError(fmt::format("--max-bytes: {} over {}: {}.", structure_name, scene.name, limit.what()));
+  }
   const auto start = std::chrono::steady_clock::now();
   double done = 0;
   const auto show = [&](double fraction) {

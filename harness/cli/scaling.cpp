@@ -24,11 +24,12 @@ namespace stbvh::harness {
 namespace {
 
 constexpr std::size_t kMostTriangles = 100'000'000;
+constexpr std::size_t kMostPercent = 1000;
 constexpr double kBuildBudget = 20;  // seconds
 
 /// What a run varies.
-enum class Over { kSteps, kTriangles, kThreads };
-constexpr std::array<std::string_view, 3> kOverNames{"steps", "triangles", "threads"};
+enum class Over { kSteps, kTriangles, kThreads, kBytes };
+constexpr std::array<std::string_view, 4> kOverNames{"steps", "triangles", "threads", "bytes"};
 
 std::string_view over_name(Over over) {
   return kOverNames[static_cast<std::size_t>(over)];
@@ -41,6 +42,7 @@ struct ScalingOptions : RecordOptions, SpeedOptions {
   std::optional<double> scale;
   std::uint64_t seed = 1;
   double tolerance = 0;  ///< of the diagonal
+  MemoryBudget max_bytes;
   std::vector<std::string> structures;
   std::optional<unsigned> threads;
 };
@@ -51,26 +53,29 @@ void add_options(CLI::App& app, ScalingOptions& o) {
   app.add_option_function<std::string>(
          "--over",
          [&o](const auto& name) { o.over = static_cast<Over>(index_of("thing to vary", name, kOverNames)); },
-         "steps, triangles (only builds), or threads")
+         "steps, triangles (only builds), threads, or bytes: the percentages of embree's that structures "
+         "that "
+         "can may take")
       ->required();
   app.add_option("--values", o.values,
                  "How many of them, separated by commas. Default: 2 to 129 steps, 100000 to 1000000 "
-                 "triangles, 1 to all threads")
+                 "triangles, 1 to all threads, 20 to 200 % of the bytes")
       ->delimiter(',');
   const auto choose = [&o](const std::string& name) {
     std::vector<std::string_view> known;
-    for (const ProceduralScene& scene : procedural_scenes()) {
-      if (scene.make_with_steps != nullptr) known.push_back(scene.name);
-    }
-    index_of("scene of any number of steps", name, known);
+    for (const ProceduralScene& scene : procedural_scenes()) known.push_back(scene.name);
+    index_of("built-in scene", name, known);
     o.scene = name;
   };
-  app.add_option_function<std::string>("--scene", choose,
-                                       "Built-in scene of any number of steps: cloth or barbarian-rotate")
+  app.add_option_function<std::string>(
+         "--scene", choose,
+         "Built-in scene; over steps and triangles cloth or barbarian-rotate, which "
+         "have any number of them")
       ->default_str(o.scene);
   add_scale_option(app, o.scale);
   app.add_option("--seed", o.seed, "Seed of scene and rays")->capture_default_str();
   add_tolerance_option(app, o.tolerance);
+  add_max_bytes_option(app, o.max_bytes);
   add_structures_option(app, o.structures);
   add_json_option(app, o);
   add_threads_option(app, o.threads, kPinnedThreads);
@@ -89,6 +94,8 @@ std::vector<std::size_t> default_values(Over over) {
       return {2, 3, 5, 9, 17, 33, 65, 129};
     case Over::kTriangles:
       return {100'000, 200'000, 500'000, 1'000'000};
+    case Over::kBytes:
+      return {20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 75, 80, 90, 100, 120, 140, 160, 180, 200};
     case Over::kThreads:
       break;
   }
@@ -105,11 +112,18 @@ ScalingOptions completed(ScalingOptions o) {
   if (o.over == Over::kSteps && o.values.front() < 2) throw UsageError("--values: at least 2 steps.");
   const std::size_t most = o.over == Over::kSteps     ? kMaxSteps
                            : o.over == Over::kThreads ? usable_core_count()
+                           : o.over == Over::kBytes   ? kMostPercent
                                                       : kMostTriangles;
   check_range("--values", o.values.front(), most);
   check_range("--values", o.values.back(), most);
   if (o.over == Over::kTriangles && o.scale)
     throw UsageError("--scale: with --over triangles, --values says how many.");
+  if (o.over == Over::kBytes && (o.max_bytes.bytes || o.max_bytes.share))
+    throw UsageError("--max-bytes: with --over bytes, --values says how many.");
+  const bool varies_scene = o.over == Over::kSteps || o.over == Over::kTriangles;
+  if (varies_scene && find_procedural_scene(o.scene)->make_with_steps == nullptr)
+    throw UsageError(
+        fmt::format("--scene: over {}, cloth or barbarian-rotate, not {}.", over_name(o.over), o.scene));
   if (o.over == Over::kThreads && o.threads)
     throw UsageError("--threads: with --over threads, --values says how many.");
   o.rays = {RayKind::kBounce, RayKind::kUniform};
@@ -142,7 +156,8 @@ class ScalingRun {
     for (std::size_t value : options_.values) {
       if (names_.empty()) break;
       measure(value);
-      if (options_.over != Over::kThreads) leave_out_slow_builds(value);
+      if (options_.over == Over::kBytes) go_on_with_limited_ones();
+      if (options_.over == Over::kSteps || options_.over == Over::kTriangles) leave_out_slow_builds(value);
     }
     progress_.clear();
     return std::move(results_);
@@ -156,6 +171,9 @@ class ScalingRun {
                                                 : source_.make(scale, options_.seed);
     scene = checked(std::move(scene), options_.scene);
     scene.tolerance = static_cast<float>(options_.tolerance * diagonal(scene));
+    MemoryBudget budget = options_.max_bytes;
+    if (options_.over == Over::kBytes) budget.share = static_cast<double>(value) / 100;
+    scene.max_bytes = bytes_of(budget, scene);
     return scene;
   }
 
@@ -166,7 +184,8 @@ class ScalingRun {
     progress_.stage(fmt::format("{} {}: making the scene", value, over));
     const Scene scene = make_scene(value);
     progress_.clear();
-    fmt::print("{}with {} {}\n", scene_heading(summarize(scene)), value, over);
+    fmt::print("{}with {} {}\n", scene_heading(summarize(scene)), value,
+               options_.over == Over::kBytes ? "% of embree's bytes" : over);
     std::fflush(stdout);
     const SceneFigures figures = measure_scene(scene, names_, speed, options_.seed, progress_);
     for (const BuildResult& build : figures.builds) {
@@ -175,6 +194,11 @@ class ScalingRun {
       std::copy_if(figures.speeds.begin(), figures.speeds.end(), std::back_inserter(result.speeds),
                    [&](const SpeedResult& s) { return s.structure == build.structure; });
     }
+  }
+
+  /// What others take is the same at every limit.
+  void go_on_with_limited_ones() {
+    std::erase_if(names_, [](const std::string& name) { return !is_limitable(name) && name != "embree"; });
   }
 
   /// Goes on without the structures whose build at `value` took longer than the build budget.

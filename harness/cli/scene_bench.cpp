@@ -37,6 +37,7 @@ class SceneBench {
       const std::vector<RaySet> rays = make_ray_sets(scene_, options_, seed_, options_.threads(), progress_);
       for (const auto& group : groups_in_memory(names)) trace_group(group, rays);
     }
+    std::erase_if(names, [&](const std::string& name) { return builds_.at(name).empty(); });
     build_again(names);
     SceneFigures figures{{}, std::move(speeds_)};
     for (const std::string& name : names) figures.builds.push_back(build_result(name));
@@ -66,20 +67,25 @@ class SceneBench {
     return groups;
   }
 
+  /// Null, having told, where it cannot keep to the scene's limit of memory.
   StructurePtr build(const std::string& name) {
     std::vector<BuildRecord>& builds = builds_[name];
     progress_.stage(fmt::format("{}: building {} ({})", scene_.name, name, builds.size() + 1));
-    StructurePtr structure = build_structure(name, scene_, options_.threads());
-    builds.push_back(structure->build_record());
+    StructurePtr structure = build_within_limit(name, scene_, options_.threads());
+    if (structure != nullptr) builds.push_back(structure->build_record());
     return structure;
   }
 
-  void trace_group(const std::vector<std::string>& names, const std::vector<RaySet>& rays) {
+  void trace_group(const std::vector<std::string>& group, const std::vector<RaySet>& rays) {
+    std::vector<std::string> names;
     std::vector<StructurePtr> structures;
     std::vector<const StructureUnderTest*> pointers;
-    for (const std::string& name : names) {
-      structures.push_back(build(name));
-      pointers.push_back(structures.back().get());
+    for (const std::string& name : group) {
+      StructurePtr structure = build(name);
+      if (structure == nullptr) continue;
+      names.push_back(name);
+      pointers.push_back(structure.get());
+      structures.push_back(std::move(structure));
     }
     for (unsigned count : options_.thread_counts) {
       PinnedThreads threads(count);
@@ -148,6 +154,8 @@ class SceneBench {
             .monitor_bytes = first.monitor_bytes,
             .total_bytes = first.structure_bytes + scene_.buffer_bytes(),
             .resident_bytes = first.resident_bytes,
+            .budget_bytes = scene_.max_bytes.value_or(0),
+            .wanted_bytes = first.wanted_bytes,
             .steps = scene_.step_count(),
             .steps_kept = first.steps_kept,
             .tolerance = scene_.tolerance,

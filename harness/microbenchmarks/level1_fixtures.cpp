@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <type_traits>
 
@@ -95,15 +94,17 @@ LeafRing::LeafRing(LeafKind kind) : structure_(view_of(slots_, 2)) {
       slot.header.corners[0][t] = kRim;
       slot.header.corners[1][t] = t;
       slot.header.corners[2][t] = static_cast<std::uint8_t>((t + 1) % kRim);
-      slot.header.prim_ids[t] = static_cast<std::uint32_t>(i * kRim + t);
+      slot.header.prim_ids[t] = static_cast<std::uint32_t>(triangles_.size());
+      triangles_.push_back({ids[kRim], ids[t], ids[(t + 1) % kRim]});
     }
-    if (slot.header.indexed) std::memcpy(slot.steps, ids, sizeof ids);
   }
   for (std::size_t k = 0; k < 2; ++k) steps_[k] = {positions_[k].data(), positions_[k].size(), sizeof(Vec3f)};
   constexpr float kInf = std::numeric_limits<float>::infinity();
   mesh_.grid = is_static ? TimeGrid{-kInf, kInf, kInf, 0.0f} : TimeGrid{0, 1, 1, 1};
   mesh_.mask = 0xFFFFFFFFu;
   mesh_.steps = steps_;
+  mesh_.indices = triangles_.data();
+  mesh_.index_stride = sizeof(TriangleIndices);
   structure_.meshes = &mesh_;
 }
 

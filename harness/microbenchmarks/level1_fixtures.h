@@ -42,12 +42,13 @@ class LeafRing {
  private:
   struct alignas(64) Slot {
     LeafHeader header;
-    StepVertices steps[2];  ///< indexed leaves: eight vertex indices
+    StepVertices steps[2];  ///< not read of indexed leaves
   };
 
   Slot slots_[kRing]{};
   std::vector<Vec3f> positions_[2];  ///< [step][vertex]
   VertexBufferView steps_[2];
+  std::vector<TriangleIndices> triangles_;
   MeshRecord mesh_{};
   StructureView structure_{};
 };

@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kLargestScale = 4;
 constexpr std::size_t kLargestObjStep = 1'000'000;
+constexpr double kMostBytes = 1e18;
 
 double checked_scale(double scale) {
   if (scale > 0 && scale <= kLargestScale) return scale;
@@ -40,6 +41,17 @@ void set_resampling(const std::string& text, MakingOptions& m) {
 double checked_tolerance(double share) {
   if (share >= 0 && share < 1) return share;
   throw UsageError(fmt::format("--tolerance must be at least 0 and below 1, not {}.", share));
+}
+
+MemoryBudget memory_budget(std::string_view text) {
+  const bool is_share = text.ends_with('%');
+  const auto value = parse_number(is_share ? text.substr(0, text.size() - 1) : text);
+  if (!value || !(*value > 0) || !(*value <= kMostBytes)) {
+    throw UsageError(fmt::format(
+        "--max-bytes takes a number of bytes, or a share of embree's, as in 40%, not \"{}\".", text));
+  }
+  if (is_share) return {.bytes = {}, .share = *value / 100};
+  return {.bytes = static_cast<std::size_t>(*value), .share = {}};
 }
 
 TimeRange shutter(const std::string& text) {
@@ -122,6 +134,13 @@ void add_tolerance_option(CLI::App& app, double& tolerance) {
       "Default: 0, within rounding");
 }
 
+void add_max_bytes_option(CLI::App& app, MemoryBudget& budget) {
+  app.add_option_function<std::string>(
+      "--max-bytes", [&budget](const std::string& text) { budget = memory_budget(text); },
+      "Bytes that structures that can may take, or a share of what embree takes, as in 40%. Default: no "
+      "limit");
+}
+
 void add_making_options(CLI::App& app, MakingOptions& m) {
   const std::size_t first = app.get_options().size();
   add_scale_option(app, m.scale);
@@ -151,6 +170,7 @@ void add_making_options(CLI::App& app, MakingOptions& m) {
       "Hand every mesh over with so many steps, 2 to 4096, also what stands still; or uneven:N, N steps at "
       "times of their own. Default: as they are");
   add_tolerance_option(app, m.tolerance);
+  add_max_bytes_option(app, m.max_bytes);
   keep_words(app, first, m.scene_words);
 }
 

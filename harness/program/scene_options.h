@@ -17,6 +17,12 @@ class App;
 
 namespace stbvh::harness {
 
+/// Bytes that structures may take: as many, or a share of those that `embree` takes; none: no limit.
+struct MemoryBudget {
+  std::optional<std::size_t> bytes;
+  std::optional<double> share;
+};
+
 /// How scenes are made.
 struct MakingOptions {
   std::optional<double> scale;  ///< of built-in scenes; empty: each scene's default
@@ -25,7 +31,8 @@ struct MakingOptions {
   std::size_t obj_step = 1;        ///< by which the numbers of OBJ sequences go up
   std::size_t resample_steps = 0;  ///< of every mesh; 0: as they are
   StepPlaces resample_places = StepPlaces::kEquidistant;
-  double tolerance = 0;  ///< of structures that can, of the scene's diagonal
+  double tolerance = 0;    ///< of structures that can, of the scene's diagonal
+  MemoryBudget max_bytes;  ///< of the same
   /// Those of these options, and --scenes, that were given, for another command.
   std::vector<std::string> scene_words;
 };
@@ -43,6 +50,9 @@ void add_scale_option(CLI::App& app, std::optional<double>& scale);
 
 /// --tolerance, of a scene's diagonal.
 void add_tolerance_option(CLI::App& app, double& tolerance);
+
+/// --max-bytes.
+void add_max_bytes_option(CLI::App& app, MemoryBudget& budget);
 
 /// How a scene is made that is named elsewhere: --scale, --seed and those of files.
 void add_making_options(CLI::App& app, MakingOptions& making);

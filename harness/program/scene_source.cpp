@@ -17,6 +17,7 @@
 #include "harness/scenes/procedural/procedural.h"
 #include "harness/scenes/resampled.h"
 #include "harness/scenes/vec3.h"
+#include "harness/structures/structure_under_test.h"
 
 namespace stbvh::harness {
 namespace {
@@ -99,14 +100,22 @@ void print_warning(const std::string& sentence) {
   fmt::print(stderr, "{}stbvh-ab: {}\n", is_terminal ? "\r\x1b[K" : "", one_line(sentence));
 }
 
+std::optional<std::size_t> bytes_of(const MemoryBudget& budget, const Scene& scene) {
+  if (!budget.share) return budget.bytes;
+  if (const std::string why = obstacle("embree", scene); !why.empty())
+    throw UsageError(fmt::format("--max-bytes: embree, of whose bytes it is a share, has none: {}.", why));
+  const std::size_t embrees = build_structure("embree", scene, 0)->build_record().structure_bytes;
+  return static_cast<std::size_t>(*budget.share * static_cast<double>(embrees));
+}
+
 SceneSource find_scene(const std::string& name, const MakingOptions& making) {
   SceneSource source = find_source(name, making);
-  if (making.resample_steps == 0 && making.tolerance == 0) return source;
   source.load = [load = std::move(source.load), steps = making.resample_steps,
-                 places = making.resample_places, share = making.tolerance] {
+                 places = making.resample_places, share = making.tolerance, budget = making.max_bytes] {
     Scene scene = load();
     if (steps > 0) scene = resampled(std::move(scene), steps, places);
     scene.tolerance = static_cast<float>(share * diagonal(scene));
+    scene.max_bytes = bytes_of(budget, scene);
     return scene;
   };
   return source;

@@ -35,4 +35,7 @@ SceneSummary summarize(const Scene& scene);
 /// Length of the diagonal of the scene's bounds.
 double diagonal(const Scene& scene);
 
+/// As Scene::max_bytes; of a share `embree` is built for that.
+std::optional<std::size_t> bytes_of(const MemoryBudget& budget, const Scene& scene);
+
 }  // namespace stbvh::harness

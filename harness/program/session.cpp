@@ -51,6 +51,16 @@ std::vector<std::string> structures_that_fit(const std::vector<std::string>& nam
   return fitting;
 }
 
+std::unique_ptr<StructureUnderTest> build_within_limit(const std::string& name, const Scene& scene,
+                                                       unsigned threads) {
+  try {
+    return build_structure(name, scene, threads);
+  } catch (const OverLimit& limit) {
+    fmt::print("{} left out of {}: {}.\n", name, scene.name, limit.what());
+    return nullptr;
+  }
+}
+
 void for_each_scene(const SessionOptions& options, Progress& progress,
                     const std::function<void(const Scene&)>& work) {
   const std::vector<SceneSource> sources = find_scenes(options);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "harness/program/scene_source.h"
 #include "harness/rays/ray_set.h"
 #include "harness/report/records.h"
+#include "harness/structures/structure_under_test.h"
 
 namespace stbvh::harness {
 
@@ -31,6 +33,11 @@ std::vector<RaySet> make_ray_sets(const Scene& scene, const RayOptions& options,
 /// (none if empty); for each other a line on stdout says how much it would need.
 std::vector<std::string> structures_that_fit(const std::vector<std::string>& names, const Scene& scene,
                                              std::string_view beside);
+
+/// As build_structure(); null where it cannot keep to the scene's limit of memory, which a line on stdout
+/// says.
+std::unique_ptr<StructureUnderTest> build_within_limit(const std::string& name, const Scene& scene,
+                                                       unsigned threads);
 
 /// Runs `work` on each scene of `options` in turn; before that a line on stdout says what the machine is.
 /// Throws OutputFileError before all if an output file could not be written.

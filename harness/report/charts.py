@@ -193,6 +193,37 @@ def draw_scaling(records):
     return figure
 
 
+def draw_budgets(records):
+    """Records of kind "scaling" of one scene over bytes: speed against the bytes that structures really take."""
+    structures = names(records)
+    style = styles(structures)
+    ending = "_ratio_to_embree"
+    kinds = [k[:-len(ending)] for k in distinct(k for r in records for k in r if k.endswith(ending))]
+    reference = next(r["structure_bytes"] for r in records if r["structure"] == REFERENCE)
+    legend_height = 0.1 + 0.15 * math.ceil(len(structures) / LEGEND_COLUMNS)  # inches
+    size = (4.6 * len(kinds), 3.4 + 0.6 + legend_height)
+    figure, panels = plt.subplots(1, len(kinds), figsize=size, squeeze=False)
+    for axes, kind in zip(panels.flat, kinds):
+        for structure in structures:
+            points = sorted({(r["structure_bytes"] / reference, r[kind + ending]) for r in records
+                             if r["structure"] == structure})
+            if structure == REFERENCE:
+                points = [(1.0, 1.0)]
+            axes.plot([x for x, _ in points], [y for _, y in points], label=structure, linewidth=1, markersize=3.5,
+                      **style[structure])
+        axes.set_xlim(left=0)
+        axes.set_ylim(bottom=0)
+        axes.grid(linewidth=0.3)
+        axes.set_xlabel(f"bytes, times {REFERENCE}")
+        axes.set_ylabel(f"{kind} rays per second, times {REFERENCE}")
+    handles, labels = panels.flat[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="lower center", ncol=LEGEND_COLUMNS, fontsize=7, frameon=False,
+                  bbox_to_anchor=(0.5, 0.3 / size[1]))
+    finish(figure, records, f'{records[0]["scene"]}: what memory buys',
+           "a point for each limit of bytes; beyond what rays profit from, no more is taken", legend_height)
+    return figure
+
+
 def draw_truth(records):
     """Records of kind "truth": RMSE against the samples, beside the line of pure noise."""
     shown = sorted(records, key=lambda r: r["samples_per_pixel"])
@@ -226,7 +257,8 @@ def charts(records):
         yield "bytes-with-buffers", lambda: draw_bytes(kinds["build"], "total_bytes", "Bytes with the scene's buffers")
         yield "build-time", lambda: draw_build_time(kinds["build"])
     for (over, scene), group in grouped(kinds["scaling"], "over", "scene").items():
-        yield f"scaling-{over}-{scene}", lambda group=group: draw_scaling(group)
+        draw = draw_budgets if over == "bytes" else draw_scaling
+        yield f"scaling-{over}-{scene}", lambda group=group, draw=draw: draw(group)
     if kinds["truth"]:
         yield "truth", lambda: draw_truth(kinds["truth"])
 

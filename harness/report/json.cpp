@@ -23,6 +23,8 @@ Json to_record(const BuildResult& r) {
           {"monitor_bytes", r.monitor_bytes},
           {"total_bytes", r.total_bytes},
           {"resident_bytes", r.resident_bytes},
+          {"budget_bytes", r.budget_bytes == 0 ? Json() : Json(r.budget_bytes)},
+          {"wanted_bytes", r.wanted_bytes == 0 ? Json() : Json(r.wanted_bytes)},
           {"steps", r.steps},
           {"steps_kept", r.steps_kept},
           {"tolerance", r.tolerance},
@@ -156,6 +158,8 @@ Json to_record(const ScalingResult& r) {
     record[speed.rays + "_mrays_per_s"] = speed.mrays_per_s.median;
     record[speed.rays + "_mrays_per_s_min"] = speed.mrays_per_s.min;
     record[speed.rays + "_mrays_per_s_max"] = speed.mrays_per_s.max;
+    if (const std::optional<Spread> ratio = speed.ratio_to_embree())
+      record[speed.rays + "_ratio_to_embree"] = ratio->median;
   }
   return record;
 }

@@ -41,6 +41,8 @@ struct BuildResult {
   std::size_t monitor_bytes = 0;      ///< as the structure's Embree device counts; 0 without one
   std::size_t total_bytes = 0;        ///< with the scene's vertex and index buffers
   std::ptrdiff_t resident_bytes = 0;  ///< growth of the process's resident memory
+  std::size_t budget_bytes = 0;       ///< that structures that can were allowed; 0: as many as they like
+  std::size_t wanted_bytes = 0;       ///< of the structure if it were not limited, about; 0: not known
   std::size_t steps = 0;              ///< of all meshes together, as they are given
   std::size_t steps_kept = 0;         ///< by the structure
   double tolerance = 0;               ///< that it was given, scene units
@@ -135,8 +137,9 @@ struct ParetoResult {
 
 /// A structure at one point of a scaling run.
 struct ScalingResult {
-  std::string over;       ///< "steps", "triangles" or "threads"
-  std::size_t value = 0;  ///< how many of them, as asked; what the scene has of triangles is in `build`
+  std::string over;       ///< "steps", "triangles", "threads" or "bytes"
+  std::size_t value = 0;  ///< how many of them, as asked, percent of embree's bytes; what the scene has of
+                          ///< triangles is in `build`
   BuildResult build;
   std::vector<SpeedResult> speeds{};  ///< of each kind of rays; none over triangles
 };

@@ -24,7 +24,7 @@ from record_files import distinct, fail, make_folder, read_file, run, write_whol
 
 TITLE = "STBVH for Embree: measurements"
 PARTS = ("bench", "error", "hard", "renders", "pareto", "truth")
-STRUCTURES = "embree,embree-robust,embree-compact,embree-4v,lbvh,lbvh-4v,stbvh,stbvh-compact,stbvh-direct"
+STRUCTURES = "embree,embree-robust,embree-compact,embree-4v,lbvh,lbvh-4v,stbvh,stbvh-direct"
 PICTURE_STRUCTURES = "embree,embree-4v,lbvh,stbvh,stbvh-direct"
 RAYS = "primary,bounce,uniform,shadow,bounce-occluded,uniform-occluded"
 FAMILIES = (  # the first twelve are those of speed against error

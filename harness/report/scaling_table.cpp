@@ -39,7 +39,8 @@ std::string scaling_table(const std::vector<ScalingResult>& results) {
   return text +
          "in scene: triangles; ns/triangle: build time; peak bytes/t: largest while building, for each "
          "triangle; rays: "
-         "Mrays/s.\n";
+         "Mrays/s.\n" +
+         (results.front().over == "bytes" ? "bytes: percent of embree's that may be taken.\n" : "");
 }
 
 }  // namespace stbvh::harness

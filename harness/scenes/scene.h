@@ -122,6 +122,8 @@ struct Scene {
   std::optional<Environment> environment;  ///< without any light, pictures are lit by a sun and a sky
   /// How far structures that can may be from the motion, scene units; 0: within rounding.
   float tolerance = 0.0f;
+  /// That structures that can may take; empty: as many as they like.
+  std::optional<std::size_t> max_bytes;
 
   std::size_t triangle_count() const;
   /// Sum over triangles of max(segments, 1).

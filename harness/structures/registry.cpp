@@ -26,7 +26,7 @@ struct Entry {
   StructurePtr (*build)(const Scene& scene, unsigned threads, const BuildProgress& progress);
 };
 
-constexpr std::array<Entry, 17> kEntries{{
+constexpr std::array<Entry, 16> kEntries{{
     {"embree", "Embree's own motion blur tree, as an application gets it by default",
      build_embree<RTC_SCENE_FLAG_NONE>},
     {"embree-robust", "the same with the flag ROBUST", build_embree<RTC_SCENE_FLAG_ROBUST>},
@@ -65,11 +65,6 @@ constexpr std::array<Entry, 17> kEntries{{
        return std::make_unique<StbvhPlugin>(scene, PluginSettings{.precision = STBVH_PRECISION_FAST}, threads,
                                             progress);
      }},
-    {"stbvh-compact", "our plugin with the inline share COMPACT: smaller, slower",
-     [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
-       return std::make_unique<StbvhPlugin>(scene, PluginSettings{.inline_share = STBVH_INLINE_SHARE_COMPACT},
-                                            threads, progress);
-     }},
     {"stbvh-direct", "our kernels without Embree, as stbvhIntersect1 asks them",
      [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
        return std::make_unique<StbvhDirect>(scene, BuildSettings{}, threads, progress);
@@ -83,9 +78,10 @@ constexpr std::array<Entry, 17> kEntries{{
        return std::make_unique<StbvhDirect>(scene, BuildSettings{.precision = Precision::kFast}, threads,
                                             progress);
      }},
-    {"stbvh-direct-indexed", "our kernels without Embree, with the inline share 0: smaller, slower",
+    {"stbvh-direct-indexed",
+     "our kernels without Embree, in as few bytes as possible: all leaves read the buffers",
      [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
-       return std::make_unique<StbvhDirect>(scene, BuildSettings{.inline_share = 0.0f}, threads, progress);
+       return std::make_unique<StbvhDirect>(scene, BuildSettings{.max_bytes = kSmallest}, threads, progress);
      }},
     {"stbvh-direct-scalar", "our kernels without Embree and without vector instructions",
      [](const Scene& scene, unsigned threads, const BuildProgress& progress) -> StructurePtr {
@@ -150,6 +146,10 @@ std::string obstacle(std::string_view name, const Scene& scene) {
   }
   if (first != nullptr && !has_trees_of_vertex_leaves()) return "Embree has these leaves from AVX on";
   return "";
+}
+
+bool is_limitable(std::string_view name) {
+  return name.starts_with("stbvh");
 }
 
 bool is_exact(std::string_view name) {

@@ -1,5 +1,7 @@
 #include "harness/structures/stbvh_direct.h"
 
+#include <algorithm>
+
 #include "harness/structures/build_meter.h"
 
 namespace stbvh::harness {
@@ -25,12 +27,23 @@ StbvhDirect::StbvhDirect(const Scene& scene, const BuildSettings& settings, unsi
                      .mask = mesh.mask,
                      .geom_id = static_cast<std::uint32_t>(i)});
   }
-  BuildSettings with_tolerance = settings;
-  with_tolerance.tolerance = scene.tolerance;
-  structure_ = Structure::build(
-      views, with_tolerance, {.allocate = {}, .release = {}, .temporary_memory = {}, .progress = progress});
+  BuildSettings of_scene = settings;
+  of_scene.tolerance = scene.tolerance;
+  of_scene.max_bytes = std::min(settings.max_bytes, scene.max_bytes.value_or(kNoLimit));
+  const auto build = [&] {
+    structure_ = Structure::build(
+        views, of_scene, {.allocate = {}, .release = {}, .temporary_memory = {}, .progress = progress});
+  };
+  try {
+    build();
+  } catch (const MemoryLimit& limit) {
+    if (settings.max_bytes != kSmallest) throw OverLimit(limit.what());
+    of_scene.max_bytes = limit.needed_bytes;
+    build();
+  }
   record_.build_s = meter.seconds();
   record_.structure_bytes = structure_->statistics().structure_bytes;
+  record_.wanted_bytes = structure_->statistics().wanted_bytes;
   record_.peak_bytes = structure_->statistics().peak_bytes;
   record_.steps_kept = structure_->statistics().steps_kept;
   record_.max_deviation = structure_->statistics().max_deviation;

@@ -8,6 +8,9 @@
 
 namespace stbvh::harness {
 
+/// As BuildSettings::max_bytes: as few as may be.
+inline constexpr std::size_t kSmallest = 0;
+
 class StbvhDirect : public StructureUnderTest {
  public:
   /// Traces on the default instruction set unless `isa`, one of available_isas(), is given.

@@ -4,6 +4,7 @@
 
 #include <new>
 #include <stdexcept>
+#include <string>
 
 #include "harness/structures/build_meter.h"
 #include "harness/structures/embree_structure.h"
@@ -24,13 +25,17 @@ StbvhPlugin::StbvhPlugin(const Scene& scene, const PluginSettings& settings, uns
     stays_embrees ? attach_mesh(mesh, static_cast<unsigned>(i)) : add_mesh(mesh, static_cast<unsigned>(i));
   }
   check(stbvhSetGeometryPrecision(geometry_.get(), settings.precision));
-  check(stbvhSetGeometryInlineShare(geometry_.get(), settings.inline_share));
   check(stbvhSetGeometryTolerance(geometry_.get(), scene.tolerance));
   if (progress) {
     check(stbvhSetGeometryProgressFunction(geometry_.get(), report_progress,
                                            const_cast<BuildProgress*>(&progress)));
   }
-  check(stbvhCommitGeometry(geometry_.get()));
+  check(stbvhSetGeometryMaxBytes(geometry_.get(), scene.max_bytes.value_or(STBVH_NO_LIMIT), STBVH_NO_LIMIT));
+  const RTCError built = stbvhCommitGeometry(geometry_.get());
+  const std::string message = stbvhGetErrorMessage(geometry_.get());
+  if (built == RTC_ERROR_OUT_OF_MEMORY && message.find("limit") != std::string::npos)
+    throw OverLimit(message);
+  check(built);
   check(stbvhSetGeometryProgressFunction(geometry_.get(), nullptr, nullptr));
   rtcAttachGeometryByID(scene_.get(), stbvhGetGeometry(geometry_.get()),
                         static_cast<unsigned>(scene.meshes.size()));
@@ -42,6 +47,7 @@ StbvhPlugin::StbvhPlugin(const Scene& scene, const PluginSettings& settings, uns
   check(stbvhGetStatistics(geometry_.get(), &statistics));
   record_.monitor_bytes = device_.memory().current_bytes();
   record_.structure_bytes = settings.still_in_embree ? record_.monitor_bytes : statistics.structureBytes;
+  record_.wanted_bytes = statistics.wantedBytes;
   record_.peak_bytes = device_.memory().peak_bytes();
   record_.steps_kept = settings.still_in_embree
                            ? scene.step_count() - statistics.stepsGiven + statistics.stepsKept

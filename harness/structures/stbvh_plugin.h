@@ -14,7 +14,6 @@ namespace stbvh::harness {
 /// How the plugin is asked to build; the defaults are its own.
 struct PluginSettings {
   StbvhPrecision precision = STBVH_PRECISION_WATERTIGHT;
-  float inline_share = 1.0f;
   bool still_in_embree = false;  ///< meshes of one step stay Embree's own, beside ours in one scene
 };
 

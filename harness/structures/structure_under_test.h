@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,8 +21,15 @@ struct BuildRecord {
   std::size_t monitor_bytes = 0;      ///< after the build, as the Embree device counts; 0 without a device
   std::size_t peak_bytes = 0;         ///< largest during the build, as the structure's own monitor counts
   std::ptrdiff_t resident_bytes = 0;  ///< growth of the process's resident memory over the build
+  std::size_t wanted_bytes = 0;       ///< of the structure if it were not limited, about; ours alone
   std::size_t steps_kept = 0;         ///< of all meshes together; all that they have but for ours
   double max_deviation = 0;           ///< of a vertex at any time for those left out, scene units
+};
+
+/// Thrown where a structure cannot keep to Scene::max_bytes; what() says what it would need, as the rest of a
+/// sentence.
+struct OverLimit : std::runtime_error {
+  using std::runtime_error::runtime_error;
 };
 
 /// Told the fraction done, 0 to 1, from any thread, also from several at once; false cancels the build.
@@ -63,12 +71,15 @@ std::string_view structure_description(std::string_view name);
 /// where Embree answers a part of the rays.
 bool is_exact(std::string_view name);
 
+/// Whether that structure keeps to Scene::max_bytes.
+bool is_limitable(std::string_view name);
+
 /// Why the structure `name` cannot be built over `scene`, as the rest of a sentence; empty if it can.
 std::string obstacle(std::string_view name, const Scene& scene);
 
 /// Builds the structure `name` over `scene`, which must outlive it, with `threads` build threads (0: all).
 /// Throws std::invalid_argument for an unknown name, std::runtime_error where there is an obstacle,
-/// BuildCancelled where `progress` returned false.
+/// OverLimit, BuildCancelled where `progress` returned false.
 std::unique_ptr<StructureUnderTest> build_structure(std::string_view name, const Scene& scene,
                                                     unsigned threads, const BuildProgress& progress = {});
 

@@ -92,25 +92,38 @@ LinearBounds merged_bounds(const ClosedTimeRange& range, const BinaryNode& left,
 }  // namespace
 
 BinaryTree::BinaryTree(BuildContext& context)
-    : context_(context), arenas_([&context] { return Arena(context.memory); }) {}
-
-void BinaryTree::build() {
+    : context_(context), arenas_([&context] { return Arena(context.memory); }) {
   context_.meshlets.resize(context_.meshes.size());
   tbb::parallel_for(std::size_t{0}, context_.meshes.size(), [&](std::size_t i) {
     context_.meshlets[i] = make_meshlets(context_, context_.meshes[i]);
   });
+  for (const MeshletSet& set : context_.meshlets) invalid_triangles_ += set.invalid_triangles;
+}
+
+void BinaryTree::build(double bytes) {
+  arenas_.clear();
+  root_ = nullptr;
+  temporal_splits_ = 0;
   std::size_t meshlets = 0;
-  for (const MeshletSet& set : context_.meshlets) {
-    meshlets += set.meshlets().size();
-    invalid_triangles_ += set.invalid_triangles;
-  }
+  for (const MeshletSet& set : context_.meshlets) meshlets += set.meshlets().size();
   if (meshlets == 0) return;
   TemporaryArray<Reference> storage(context_.memory, meshlets);
   ReferenceSet all = make_references(storage);
   if (all.size() == 0) return;
+  choose_price(all, bytes);
   total_work_ =
       static_cast<double>(all.size()) * std::max(1e-30, static_cast<double>(range_.last) - range_.begin);
+  context_.progress.restart();
   root_ = build_root(all).node;
+}
+
+void BinaryTree::choose_price(const ReferenceSet& all, double bytes) {
+  if (!survey_) {
+    survey_.emplace(context_, all);
+    wanted_bytes_ = survey_->bytes_at(survey_->usual_price());
+    survey_memory_.emplace(context_.memory, survey_->bytes());
+  }
+  context_.price = bytes < wanted_bytes_ ? survey_->price_for(bytes) : survey_->usual_price();
 }
 
 BinaryTree::Subtree BinaryTree::build_root(ReferenceSet& set) {
@@ -127,6 +140,7 @@ BinaryTree::Subtree BinaryTree::build_root(ReferenceSet& set) {
 ReferenceSet BinaryTree::make_references(TemporaryArray<Reference>& storage) {
   // The times of any mesh, within [0, 1].
   float begin = 1.0f, last = 0.0f;
+  live_triangles_ = primitive_segments_ = 0;
   for (const BuildMesh& mesh : context_.meshes) {
     begin = std::min(begin, std::max(mesh.grid().begin, 0.0f));
     last = std::max(last, std::min(mesh.grid().end, 1.0f));
@@ -175,11 +189,12 @@ BinaryTree::Subtree BinaryTree::build_node(ReferenceSet set, std::size_t depth) 
   return split_in_space(set, depth, object);
 }
 
-BinaryTree::Subtree BinaryTree::split_in_time(const ReferenceSet& set, const ClosedTimeRange (&halves)[2],
+BinaryTree::Subtree BinaryTree::split_in_time(const ReferenceSet& set,
+                                              const std::array<ClosedTimeRange, 2>& halves,
                                               std::size_t depth) {
   temporal_splits_.fetch_add(1, std::memory_order_relaxed);
   Subtree subtrees[2];
-  const auto build_half = [&](int half) {
+  const auto build_half = [&](std::size_t half) {
     TemporaryArray<Reference> storage(context_.memory, set.size());
     const ReferenceSet remade = remake_references(context_, set, halves[half], storage.span());
     if (remade.size() > 0) subtrees[half] = build_node(remade, depth + 1);
@@ -232,7 +247,7 @@ BinaryTree::Subtree BinaryTree::make_inner(const ClosedTimeRange& range, const S
   inner->range = range;
   inner->subtree_leaves = left.node->subtree_leaves + right.node->subtree_leaves;
   inner->set_children(*left.node, *right.node);
-  return {inner, share_slots(*inner, left.costs, right.costs)};
+  return {inner, share_slots(*inner, left.costs, right.costs, context_.price)};
 }
 
 }  // namespace stbvh

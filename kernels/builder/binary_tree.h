@@ -3,11 +3,14 @@
 
 #include <tbb/enumerable_thread_specific.h>
 
+#include <array>
 #include <atomic>
+#include <optional>
 
 #include "builder/binary_node.h"
 #include "builder/build_context.h"
 #include "builder/collapse.h"
+#include "builder/leaf_survey.h"
 #include "builder/reference_set.h"
 
 namespace stbvh {
@@ -17,10 +20,16 @@ struct ObjectSplit;
 /// The tree and the memory that its nodes live in.
 class BinaryTree {
  public:
+  /// Groups the triangles of all meshes.
   explicit BinaryTree(BuildContext& context);
 
-  /// Splits until every set fits a leaf; how to collapse it is worked out on the way up.
-  void build();
+  /// Splits until every set fits a leaf, for a structure of about `bytes` at most, or of what rays profit
+  /// from where that is less; how to collapse the tree is worked out on the way up. Called again it builds
+  /// another tree.
+  void build(double bytes);
+
+  /// What a structure would take that is not limited, about; known once build() has been called.
+  double wanted_bytes() const { return wanted_bytes_; }
 
   BinaryNode* root() { return root_; }  ///< null: there is no valid triangle
   const BinaryNode* root() const { return root_; }
@@ -38,6 +47,7 @@ class BinaryTree {
   };
 
   ReferenceSet make_references(TemporaryArray<Reference>& storage);
+  void choose_price(const ReferenceSet& all, double bytes);
   /// Static meshes and moving ones go to different sides of the root: what stands still is mostly large, and
   /// would stretch the boxes of what moves.
   Subtree build_root(ReferenceSet& set);
@@ -46,14 +56,18 @@ class BinaryTree {
                          const ReferenceSet& right_set, std::size_t depth);
   Subtree make_leaf(const ReferenceSet& set);  ///< of one reference
   Subtree make_inner(const ClosedTimeRange& range, const Subtree& left, const Subtree& right);
-  Subtree split_in_time(const ReferenceSet& set, const ClosedTimeRange (&halves)[2], std::size_t depth);
+  Subtree split_in_time(const ReferenceSet& set, const std::array<ClosedTimeRange, 2>& halves,
+                        std::size_t depth);
   Subtree split_in_space(ReferenceSet& set, std::size_t depth, const ObjectSplit& split);
 
   BuildContext& context_;
+  std::optional<LeafSurvey> survey_;
+  std::optional<CountedMemory> survey_memory_;
   tbb::enumerable_thread_specific<Arena> arenas_;
   BinaryNode* root_ = nullptr;
   ClosedTimeRange range_{0.0f, 1.0f};
   double total_work_ = 0;
+  double wanted_bytes_ = 0;
   std::size_t live_triangles_ = 0;
   std::size_t invalid_triangles_ = 0;
   std::size_t primitive_segments_ = 0;

@@ -6,19 +6,22 @@
 #include "builder/build_memory.h"
 #include "builder/build_mesh.h"
 #include "builder/build_progress.h"
+#include "builder/byte_price.h"
 #include "builder/meshlet_set.h"
 #include "stbvh/structure.h"
 
 namespace stbvh {
 
 struct BuildContext {
-  explicit BuildContext(const BuildCallbacks& callbacks) : memory(callbacks), progress(callbacks) {}
+  BuildContext(const BuildSettings& all_settings, const BuildCallbacks& callbacks)
+      : settings(all_settings), memory(callbacks, settings.max_peak_bytes), progress(callbacks) {}
 
   std::vector<BuildMesh> meshes;
   std::vector<MeshletSet> meshlets;  ///< of each mesh
   BuildSettings settings;
   BuildMemory memory;
   BuildProgress progress;
+  BytePrice price;  ///< of memory
 };
 
 }  // namespace stbvh

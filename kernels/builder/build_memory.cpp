@@ -3,10 +3,14 @@
 namespace stbvh {
 
 void BuildMemory::take(std::size_t bytes) {
-  if (callbacks_.temporary_memory && !callbacks_.temporary_memory(static_cast<std::ptrdiff_t>(bytes))) {
+  const std::size_t now = current_.fetch_add(bytes) + bytes;
+  const bool fits = now <= limit_;
+  if (!fits ||
+      (callbacks_.temporary_memory && !callbacks_.temporary_memory(static_cast<std::ptrdiff_t>(bytes)))) {
+    current_.fetch_sub(bytes);
+    if (!fits) throw LimitReached();
     throw BuildCancelled();
   }
-  const std::size_t now = current_.fetch_add(bytes) + bytes;
   std::size_t peak = peak_.load();
   while (peak < now && !peak_.compare_exchange_weak(peak, now)) {
   }

@@ -15,15 +15,20 @@ namespace stbvh {
 /// Counts the temporary memory of a build and tells the caller's callback.
 class BuildMemory {
  public:
-  explicit BuildMemory(const BuildCallbacks& callbacks) : callbacks_(callbacks) {}
-  /// Throws BuildCancelled if the callback refuses the bytes (they are not counted then).
+  struct LimitReached {};
+
+  BuildMemory(const BuildCallbacks& callbacks, std::size_t limit) : callbacks_(callbacks), limit_(limit) {}
+  /// Throws BuildCancelled if the callback refuses the bytes, LimitReached if there would be more than the
+  /// limit; they are not counted then.
   void take(std::size_t bytes);
   void give_back(std::size_t bytes) noexcept;
+  std::size_t limit() const { return limit_; }
   std::size_t current() const { return current_.load(); }
   std::size_t peak() const { return peak_.load(); }
 
  private:
   const BuildCallbacks& callbacks_;
+  const std::size_t limit_;
   std::atomic<std::size_t> current_{0};
   std::atomic<std::size_t> peak_{0};
 };

@@ -117,6 +117,14 @@ BuildMesh::SegmentRange BuildMesh::segments_in(const ClosedTimeRange& range) con
   return {segment_at(r.begin).segment, segment_at(r.last).segment};
 }
 
+std::size_t BuildMesh::steps_in(const ClosedTimeRange& range) const {
+  if (is_static()) return 1;
+  const ClosedTimeRange r = alive(range);
+  if (!(r.begin <= r.last)) return 0;
+  const SegmentRange met = segments_in(r);
+  return std::size_t{met.last} - met.first + 2;
+}
+
 SegmentTime BuildMesh::segment_at(float time) const {
   if (!grid_.is_uneven()) return stbvh::segment_at(grid_, time);
   return segment_among(times_.data(), 0, static_cast<std::uint32_t>(segments()) - 1, time);

@@ -54,6 +54,9 @@ class BuildMesh {
   };
   SegmentRange segments_in(const ClosedTimeRange& range) const;
 
+  /// Steps that an inline leaf over `range` holds; 0: the mesh is not alive then.
+  std::size_t steps_in(const ClosedTimeRange& range) const;
+
   /// The step boundary inside `range` that is nearest to its centre: the first time of a segment other than
   /// the first one met. None where one segment covers the range.
   std::optional<float> central_boundary(const ClosedTimeRange& range) const;

@@ -13,8 +13,8 @@ void BuildProgress::add(double share) {
   const double done = std::min(done_.load(), 1.0);  // read under the lock: what is reported never falls
   if (share > 0.0 && done < reported_ + 0.01) return;
   check();
-  reported_ = done;
-  report(done);
+  reported_ = std::max(reported_, done);
+  report(reported_);
 }
 
 void BuildProgress::report(double fraction) {

@@ -15,6 +15,8 @@ class BuildProgress {
   /// Tells the callback of 0 and of 1. Throw BuildCancelled if it returns false.
   void start() { report(0.0); }
   void finish() { report(1.0); }
+  /// The work begins anew: the callback hears of it again where it was told of less.
+  void restart() { done_ = 0.0; }
   /// `share` of the whole work, 0 to 1, is done; the callback is told in steps of a percent. Throws
   /// BuildCancelled once the callback has returned false.
   void add(double share);

@@ -12,7 +12,8 @@ CollapseCosts leaf_costs(const BinaryLeaf& leaf) {
   return costs;
 }
 
-CollapseCosts share_slots(BinaryInner& node, const CollapseCosts& left, const CollapseCosts& right) {
+CollapseCosts share_slots(BinaryInner& node, const CollapseCosts& left, const CollapseCosts& right,
+                          const BytePrice& price) {
   CollapseCosts split_costs;
   std::array<std::size_t, kWidth> split_left{};
   for (std::size_t i = 1; i < kWidth; ++i) {
@@ -27,7 +28,9 @@ CollapseCosts share_slots(BinaryInner& node, const CollapseCosts& left, const Co
   }
   // As a node of its own it has up to eight children.
   CollapseCosts costs;
-  costs[0] = expected_area(node.bounds(), node.range) * kNodeCost + split_costs[kWidth - 1];
+  const std::size_t bytes = node.bounds().is_static() ? sizeof(StaticNode) : sizeof(LinearNode);
+  costs[0] =
+      expected_area(node.bounds(), node.range) * kNodeCost + price.of_bytes(bytes) + split_costs[kWidth - 1];
   node.shares = {};
   for (std::size_t i = 1; i < kWidth; ++i) {
     const bool split = split_costs[i] < costs[i - 1];

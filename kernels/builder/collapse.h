@@ -8,16 +8,19 @@
 #include <span>
 
 #include "builder/binary_node.h"
+#include "builder/byte_price.h"
 
 namespace stbvh {
 
-/// [i]: least expected cost of a subtree as at most i + 1 children of a node above it.
+/// [i]: least expected cost, in expected area, of nodes' memory too, of a subtree as at most i + 1 children
+/// of a node above it.
 using CollapseCosts = std::array<float, kWidth>;
 
 CollapseCosts leaf_costs(const BinaryLeaf& leaf);
 
 /// Fills `shares` of a node whose children have these costs, and returns its own.
-CollapseCosts share_slots(BinaryInner& node, const CollapseCosts& left, const CollapseCosts& right);
+CollapseCosts share_slots(BinaryInner& node, const CollapseCosts& left, const CollapseCosts& right,
+                          const BytePrice& price);
 
 /// The subtrees that become the children of a wide node, two to eight, in the tree's order.
 template <typename Node>

@@ -40,7 +40,8 @@ NodePlan plan_node(const BinaryNode& node, std::span<const BinaryNode* const> ch
   return plan;
 }
 
-/// A leaf by what each of its bytes brings to rays; of equal ones the first in the tree comes first.
+/// An indexed leaf by what each byte would bring that made it inline; of equal ones the first in the tree
+/// comes first.
 struct RankedLeaf {
   float worth;
   std::uint32_t index;
@@ -81,46 +82,60 @@ void Encoder::Counts::add(const Counts& other) {
   depth = std::max(depth, other.depth);
 }
 
-Encoder::Encoder(const BuildContext& context, BinaryTree& tree) : context_(context), root_(tree.root()) {
+Encoder::Encoder(BuildContext& context, BinaryTree& tree, std::size_t most_bytes)
+    : context_(context), root_(tree.root()) {
   if (tree.root() == nullptr) return;
-  choose_leaves(*tree.root());
   counts_ = measure(*tree.root());
   units_ = root_->units;
+  if (bytes() > most_bytes) {
+    const std::size_t node_bytes = bytes() - counts_.leaf_units * kUnitBytes;
+    choose_leaves(*tree.root(), most_bytes - std::min(node_bytes, most_bytes));
+    counts_ = measure(*tree.root());
+    units_ = root_->units;
+  }
   if (bytes() > kMaxUnits * kUnitBytes) throw std::length_error("structure larger than 32 GiB");
 }
 
-void Encoder::choose_leaves(BinaryNode& root) {
-  const float share = context_.settings.inline_share;
-  if (share >= 1.0f) return;
-  std::vector<BinaryLeaf*> leaves;
-  collect_leaves(root, leaves);
-  const auto bytes = [&](const BinaryLeaf* leaf) { return inline_leaf_bytes(leaf_steps(*leaf)); };
-  std::vector<RankedLeaf> ranked(leaves.size());
-  double left = 0;
-  for (std::uint32_t i = 0; i < leaves.size(); ++i) {
-    const auto size = static_cast<float>(bytes(leaves[i]));
-    ranked[i] = {expected_area(leaves[i]->bounds(), leaves[i]->range) / size, i};
-    left += static_cast<double>(size) * share;
-  }
-  tbb::parallel_sort(ranked.begin(), ranked.end());
+void Encoder::choose_leaves(BinaryNode& root, std::size_t most_bytes) {
   std::size_t meshlets = 0;
   for (const MeshletSet& set : context_.meshlets) {
     first_meshlet_.push_back(meshlets);
     meshlets += set.meshlets().size();
   }
-  indexed_.assign(meshlets, kNone);
+  constexpr std::size_t kLeafBytes = sizeof(BinaryLeaf*) + sizeof(RankedLeaf);
+  const CountedMemory counted(context_.memory,
+                              root.subtree_leaves * kLeafBytes + meshlets * 2 * sizeof(std::uint32_t));
+  std::vector<BinaryLeaf*> leaves;
+  leaves.reserve(root.subtree_leaves);
+  collect_leaves(root, leaves);
+  // All leaves of a meshlet that are indexed are one.
+  std::vector<std::uint32_t> indexed_leaves(meshlets);
+  std::size_t bytes = 0;
+  for (BinaryLeaf* const leaf : leaves) {
+    leaf->is_indexed = true;
+    if (indexed_leaves[meshlet_number(*leaf)]++ == 0) bytes += kIndexedLeafBytes;
+  }
+  std::vector<RankedLeaf> ranked(leaves.size());
+  for (std::uint32_t i = 0; i < leaves.size(); ++i) {
+    const float shared =
+        float{kIndexedLeafBytes} / static_cast<float>(indexed_leaves[meshlet_number(*leaves[i])]);
+    const float size = static_cast<float>(inline_leaf_bytes(leaf_steps(*leaves[i]))) - shared;
+    ranked[i] = {expected_area(leaves[i]->bounds(), leaves[i]->range) / size, i};
+  }
+  tbb::parallel_sort(ranked.begin(), ranked.end());
   for (const RankedLeaf& rank : ranked) {
     BinaryLeaf* const leaf = leaves[rank.index];
-    const auto size = static_cast<double>(bytes(leaf));
-    leaf->is_indexed = size > left;
-    if (leaf->is_indexed) {
-      indexed_[meshlet_number(*leaf)] = 0;
-    } else {
-      left -= size;
-    }
+    std::uint32_t& others = indexed_leaves[meshlet_number(*leaf)];
+    const std::size_t inline_bytes =
+        bytes + inline_leaf_bytes(leaf_steps(*leaf)) - (others == 1 ? kIndexedLeafBytes : 0);
+    if (inline_bytes > most_bytes) continue;
+    leaf->is_indexed = false;
+    --others;
+    bytes = inline_bytes;
   }
-  for (std::uint32_t& number : indexed_) {
-    if (number != kNone) number = static_cast<std::uint32_t>(indexed_count_++);
+  indexed_.assign(meshlets, kNone);
+  for (std::size_t i = 0; i < meshlets; ++i) {
+    if (indexed_leaves[i] > 0) indexed_[i] = static_cast<std::uint32_t>(indexed_count_++);
   }
 }
 

@@ -12,10 +12,12 @@ namespace stbvh {
 
 class Encoder {
  public:
-  /// Enters in the nodes of `tree` what has been chosen, and how many bytes they take.
-  Encoder(const BuildContext& context, BinaryTree& tree);
+  /// Enters in the nodes of `tree` what has been chosen, and how many bytes they take: all leaves are inline,
+  /// or in `most_bytes` as many as rays profit from most.
+  Encoder(BuildContext& context, BinaryTree& tree, std::size_t most_bytes);
 
-  /// Bytes that encode() writes; 0 for an empty tree.
+  /// Bytes that encode() writes; 0 for an empty tree. More than `most_bytes` where the tree takes more even
+  /// with indexed leaves alone.
   std::size_t bytes() const { return units_ * kUnitBytes + indexed_count_ * kIndexedLeafBytes; }
 
   /// Writes nodes and leaves to `data` (bytes() of it, aligned to kUnitBytes), each node followed by its
@@ -33,15 +35,16 @@ class Encoder {
     std::size_t inline_leaves = 0, indexed_leaves = 0, leaf_triangles = 0, leaf_units = 0, depth = 0;
     void add(const Counts& other);
   };
-  /// Chooses which leaves are indexed; numbers the meshlets of those.
-  void choose_leaves(BinaryNode& root);
+  /// Chooses which leaves are indexed, so that all leaves take at most `most_bytes`; numbers the meshlets of
+  /// those.
+  void choose_leaves(BinaryNode& root, std::size_t most_bytes);
   Counts measure(BinaryNode& node) const;
   Link encode_node(const BinaryNode& node, std::byte* data, std::size_t unit) const;
   std::size_t leaf_units(const BinaryLeaf& leaf) const;
   std::size_t leaf_steps(const BinaryLeaf& leaf) const;
   std::size_t meshlet_number(const BinaryLeaf& leaf) const;
 
-  const BuildContext& context_;
+  BuildContext& context_;
   const BinaryNode* root_;
   Counts counts_;
   std::size_t units_ = 0;  ///< of nodes and inline leaves

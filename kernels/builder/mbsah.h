@@ -20,8 +20,16 @@ inline constexpr float kNodeCost = 1.0f;
 /// them: less makes more and smaller leaves (docs/performance.md).
 inline constexpr float kSplitCost = 0.1f;
 
-/// A leaf is worth a temporal split where that leaves less than this share of its expected area.
-inline constexpr float kTemporalWorth = 0.75f;
+/// Cost of testing an indexed leaf, whose vertices are waited for.
+inline constexpr float kIndexedLeafCost = 3.5f;
+
+/// How much memory may bring too little: a hundredth more bytes must save this many hundredths of the leaves'
+/// expected area.
+inline constexpr float kElasticity = 0.7f;
+
+/// However cheap memory is, a leaf is worth a temporal split only where that leaves less than this share of
+/// its expected area.
+inline constexpr float kLeastShrinking = 0.97f;
 
 /// A set is split in time before it is split in space where at least this share of its leaves is worth it.
 inline constexpr float kTemporalShare = 0.75f;

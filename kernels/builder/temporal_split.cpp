@@ -4,7 +4,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <vector>
 
@@ -62,17 +61,6 @@ const BuildMesh* finest_mesh(const BuildContext& context, const ReferenceSet& se
   return most_segments > 0.0f ? finest : nullptr;
 }
 
-/// Linear bounds of something over a range and over its two halves.
-struct Shrinking {
-  LinearBounds whole = LinearBounds::empty();
-  LinearBounds halves[2] = {LinearBounds::empty(), LinearBounds::empty()};
-
-  bool is_worth_it(const float (&time_shares)[2]) const {
-    const float split = halves[0].centre_area() * time_shares[0] + halves[1].centre_area() * time_shares[1];
-    return split < kTemporalWorth * whole.centre_area();
-  }
-};
-
 }  // namespace
 
 std::optional<TemporalSplit> find_temporal_split(const BuildContext& context, const ReferenceSet& set) {
@@ -83,18 +71,22 @@ std::optional<TemporalSplit> find_temporal_split(const BuildContext& context, co
   if (!boundary) return std::nullopt;
 
   TemporalSplit split;
-  split.halves[0] = {set.range.begin, std::nextafter(*boundary, -std::numeric_limits<float>::infinity())};
-  split.halves[1] = {*boundary, set.range.last};
+  split.halves = halves_at(set.range, *boundary);
   ReferenceMaker makers[2] = {{context, split.halves[0]}, {context, split.halves[1]}};
-  const float shares[2] = {time_share(split.halves[0], set.range), time_share(split.halves[1], set.range)};
+  const BytePrice& price = context.price;
   std::size_t wanted = 0, count = 0;
   for (std::size_t i = 0; i < set.size(); i += stride, ++count) {
-    Shrinking one;
-    one.whole = set.references[i].bounds();
-    for (int half = 0; half < 2; ++half) {
-      if (!makers[half].make(set.references[i], one.halves[half])) one.halves[half] = LinearBounds::empty();
+    const Reference& reference = set.references[i];
+    const BuildMesh& own = context.meshes[reference.mesh];
+    const float area = expected_area(reference.bounds(), set.range);
+    SplitCosts costs{area, price.of_leaf(area, own.steps_in(set.range))};
+    for (std::size_t half = 0; half < 2; ++half) {
+      const ClosedTimeRange& range = split.halves[half];
+      LinearBounds bounds;
+      if (makers[half].make(reference, bounds))
+        costs.add_half(price, expected_area(bounds, range), own.steps_in(range));
     }
-    wanted += one.is_worth_it(shares);
+    wanted += costs.is_worth_it(price);
   }
   split.wanted_share = static_cast<float>(wanted) / static_cast<float>(count);
   return split;

@@ -2,6 +2,7 @@
 /// halves with tighter linear bounds (Woop et al. 2017, section 3.2).
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 
@@ -11,8 +12,8 @@
 namespace stbvh {
 
 struct TemporalSplit {
-  ClosedTimeRange halves[2];  ///< together the set's range, without a float between them
-  /// Share of the references that would be split here in any case, as they shrink enough: 0 to 1.
+  std::array<ClosedTimeRange, 2> halves;  ///< together the set's range, without a float between them
+  /// Share of the references whose shrinking pays for the memory of a leaf more: 0 to 1.
   float wanted_share = 0.0f;
 };
 

@@ -58,7 +58,7 @@ static_assert(sizeof(SpatialTemporalNode) == 480);
 
 /// Up to eight triangles of one mesh over up to eight vertices. What follows the header in memory:
 /// inline leaf: StepVertices for each step from first_segment on (one where the mesh is static);
-/// indexed leaf: std::uint32_t vertex_ids[8].
+/// indexed leaf: nothing, its vertices are those of its triangles in the caller's buffers.
 struct alignas(kUnitBytes) LeafHeader {
   std::uint32_t mesh;           ///< index into the mesh table
   std::uint16_t first_segment;  ///< the step that the first StepVertices belongs to
@@ -79,18 +79,20 @@ static_assert(sizeof(StepVertices) == 96);
 constexpr std::size_t inline_leaf_bytes(std::size_t steps) {
   return sizeof(LeafHeader) + steps * sizeof(StepVertices);
 }
-inline constexpr std::size_t kIndexedLeafBytes = sizeof(LeafHeader) + kWidth * sizeof(std::uint32_t);
-static_assert(inline_leaf_bytes(1) == 160 && inline_leaf_bytes(2) == 256 && kIndexedLeafBytes == 96);
+inline constexpr std::size_t kIndexedLeafBytes = sizeof(LeafHeader);
+static_assert(inline_leaf_bytes(1) == 160 && inline_leaf_bytes(2) == 256 && kIndexedLeafBytes == 64);
 
 /// What the traversal needs to know of a mesh.
 struct MeshRecord {
   TimeGrid grid;  ///< static meshes: [-inf, +inf], 0 segments
   std::uint32_t mask;
   std::uint32_t geom_id;
-  const VertexBufferView* steps;  ///< read by indexed leaves
-  const float* step_times;        ///< read where the grid is uneven
+  const VertexBufferView* steps;  ///< read by indexed leaves, as the next two
+  const void* indices;            ///< as MeshView has them
+  std::size_t index_stride;
+  const float* step_times;  ///< read where the grid is uneven
 };
-static_assert(sizeof(MeshRecord) == 40);
+static_assert(sizeof(MeshRecord) == 56);
 
 /// A structure as the traversal sees it.
 struct StructureView {

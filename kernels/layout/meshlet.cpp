@@ -51,8 +51,6 @@ void write_indexed_leaf(std::uint32_t mesh, const Meshlet& meshlet, std::byte* o
   LeafHeader header = leaf_header(mesh, meshlet);
   header.indexed = 1;
   std::memcpy(out, &header, sizeof header);
-  const std::array<std::uint32_t, kWidth> vertices = vertex_slots(meshlet);
-  std::memcpy(out + sizeof header, vertices.data(), sizeof vertices);
 }
 
 }  // namespace stbvh

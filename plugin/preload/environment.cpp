@@ -1,5 +1,6 @@
 #include "plugin/preload/environment.h"
 
+#include <charconv>
 #include <cstdio>
 #include <cstdlib>
 #include <string_view>
@@ -21,20 +22,31 @@ void read_switch(const Variable& variable, const Complain& complain, const char*
   complain(std::string(name) + " must be 0 or 1, not '" + text + "'; it is taken as " + (value ? "1" : "0"));
 }
 
-void read_preset(const Variable& variable, const Complain& complain, Preset& preset) {
+void read_preset(const Variable& variable, const Complain& complain, bool& fast) {
   const char* const text = variable("STBVH_PRELOAD_PRESET");
   if (text == nullptr || *text == '\0') return;
   const std::string_view view(text);
   if (view == "default") {
-    preset = Preset::kDefault;
-  } else if (view == "compact") {
-    preset = Preset::kCompact;
+    fast = false;
   } else if (view == "fast") {
-    preset = Preset::kFast;
+    fast = true;
   } else {
-    complain("STBVH_PRELOAD_PRESET must be default, compact or fast, not '" + std::string(text) +
+    complain("STBVH_PRELOAD_PRESET must be default or fast, not '" + std::string(text) +
              "'; it is taken as default");
   }
+}
+
+void read_bytes(const Variable& variable, const Complain& complain, const char* name, std::size_t& bytes) {
+  const char* const text = variable(name);
+  if (text == nullptr || *text == '\0') return;
+  const std::string_view view(text);
+  std::size_t value = 0;
+  const auto [end, error] = std::from_chars(view.data(), view.data() + view.size(), value);
+  if (error == std::errc() && end == view.data() + view.size() && value > 0) {
+    bytes = value;
+    return;
+  }
+  complain(std::string(name) + " must be a number of bytes, not '" + text + "'; there is no limit");
 }
 
 std::optional<std::string> read_statistics(const Variable& variable) {
@@ -52,7 +64,8 @@ Environment read_environment(const Variable& variable, const Complain& complain)
   read_switch(variable, complain, "STBVH_PRELOAD", result.enabled);
   read_switch(variable, complain, "STBVH_PRELOAD_ALL", result.all_triangles);
   read_switch(variable, complain, "STBVH_PRELOAD_VERBOSE", result.verbose);
-  read_preset(variable, complain, result.preset);
+  read_preset(variable, complain, result.fast);
+  read_bytes(variable, complain, "STBVH_PRELOAD_MAX_BYTES", result.max_bytes);
   result.statistics = read_statistics(variable);
   return result;
 }

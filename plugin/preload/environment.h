@@ -5,15 +5,16 @@
 #include <optional>
 #include <string>
 
-namespace stbvh::preload {
+#include "stbvh/structure.h"
 
-enum class Preset { kDefault, kCompact, kFast };
+namespace stbvh::preload {
 
 struct Environment {
   bool enabled = true;         ///< STBVH_PRELOAD
   bool all_triangles = false;  ///< STBVH_PRELOAD_ALL: meshes of one step too
   bool verbose = false;        ///< STBVH_PRELOAD_VERBOSE: a line on stderr for each commit
-  Preset preset = Preset::kDefault;
+  bool fast = false;           ///< STBVH_PRELOAD_PRESET=fast: Precision::kFast where scenes are not robust
+  std::size_t max_bytes = kNoLimit;  ///< STBVH_PRELOAD_MAX_BYTES: of the structure of each scene
   /// STBVH_PRELOAD_STATISTICS: none; "": text on stderr; else the file that gets them as JSON.
   std::optional<std::string> statistics;
 };

@@ -26,8 +26,7 @@ struct GroupSettings {
   bool runs_query_filters = false;
 
   bool operator==(const GroupSettings& other) const {
-    return build.inline_share == other.build.inline_share && build.precision == other.build.precision &&
-           runs_query_filters == other.runs_query_filters;
+    return build.precision == other.build.precision && runs_query_filters == other.runs_query_filters;
   }
 };
 

@@ -29,11 +29,10 @@ struct CommitError {
 
 GroupSettings TrackedScene::group_settings(const Plan& plan) const {
   const RTCSceneFlags flags = real().rtcGetSceneFlags(handle_);
-  const Preset preset = environment().preset;
   GroupSettings settings;
   settings.runs_query_filters = plan.has_filters || (flags & plugin::kSceneTakesQueryFilters) != 0;
-  if (preset == Preset::kCompact) settings.build.inline_share = STBVH_INLINE_SHARE_COMPACT;
-  if (preset == Preset::kFast && (flags & RTC_SCENE_FLAG_ROBUST) == 0) {
+  settings.build.max_bytes = environment().max_bytes;
+  if (environment().fast && (flags & RTC_SCENE_FLAG_ROBUST) == 0) {
     settings.build.precision = Precision::kFast;
   }
   return settings;
@@ -148,8 +147,9 @@ TrackedScene::Next TrackedScene::prepare(CommitTurns::Turn& turn) {
     say(plan);
     return next;
   } catch (const std::length_error&) {
-    for (const Member& member : plan.members) member.mesh->too_large = true;
-    return prepare(turn);
+    return prepare_without(plan, turn);
+  } catch (const MemoryLimit&) {
+    return prepare_without(plan, turn);
   } catch (const BuildCancelled&) {
     throw CommitError{RTC_ERROR_CANCELLED, "progress monitor forced termination"};
   } catch (const std::bad_alloc&) {
@@ -157,6 +157,11 @@ TrackedScene::Next TrackedScene::prepare(CommitTurns::Turn& turn) {
   } catch (const std::exception& error) {
     throw CommitError{RTC_ERROR_UNKNOWN, error.what()};
   }
+}
+
+TrackedScene::Next TrackedScene::prepare_without(const Plan& plan, CommitTurns::Turn& turn) {
+  for (const Member& member : plan.members) member.mesh->too_large = true;
+  return prepare(turn);
 }
 
 void TrackedScene::say(const Plan& plan) const {

@@ -78,6 +78,8 @@ class TrackedScene {
   Next give_all_to_embree();
   void build_group(const Plan& plan, CommitTurns::Turn& turn);
   Next prepare(CommitTurns::Turn& turn);
+  /// Where no structure over all of the plan may be as large as it would have to be.
+  Next prepare_without(const Plan& plan, CommitTurns::Turn& turn);
   void cancel_embrees_build();
   void forward(bool join);
   void set_own_share(double share);

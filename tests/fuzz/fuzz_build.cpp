@@ -110,7 +110,7 @@ void run(ByteReader in) {
   const std::uint8_t flags = in.byte();
   const std::size_t cancel_at = in.byte();
   BuildSettings settings;
-  settings.inline_share = (flags & 1) != 0 ? static_cast<float>(in.byte()) / 255.0f : 1.0f;
+  const float share = (flags & 1) != 0 ? static_cast<float>(in.byte()) / 255.0f : 1.0f;
   std::vector<FuzzMesh> meshes;
   for (std::size_t count = in.below(kMaxMeshes + 1); count > 0; --count) meshes.push_back(take_mesh(in));
   std::vector<MeshView> views;
@@ -122,9 +122,13 @@ void run(ByteReader in) {
     const test::FlushToZero guard((flags & 2) != 0);
     structure = build(views, settings);
     if (structure == nullptr) return;
+    settings = test::limited(views, share);
+    structure = build(views, settings);
+    require(structure->statistics().structure_bytes <= settings.max_bytes, "no more memory than is allowed");
     check_statistics(views, settings.tolerance, structure->statistics());
     BuildSettings as_given = settings;
     as_given.tolerance = kKeepAllSteps;
+    as_given.max_bytes = kNoLimit;
     check_statistics(views, as_given.tolerance, build(views, as_given)->statistics());
     if ((flags & 4) != 0) build_watched(views, settings, cancel_at, *structure);
     unculled = make_unculled(views);

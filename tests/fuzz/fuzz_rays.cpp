@@ -49,8 +49,7 @@ class Target {
       meshes_[i].mask = i % 3 == 2 ? 0xFFFFu : 0xFFFFFFFFu;
       views_.push_back(meshes_[i].view());
     }
-    BuildSettings settings;
-    if (indexed) settings.inline_share = 0.0f;
+    BuildSettings settings = test::limited(views_, indexed ? 0.0f : 1.0f);
     structure_ = Structure::build(views_, settings);
     settings.precision = Precision::kFast;
     fast_ = Structure::build(views_, settings);

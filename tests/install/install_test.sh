@@ -209,7 +209,7 @@ nodiscard() {
   for language in c99 c++11 c++17; do
     case $language in c++*) compiler=("$cxx" -x c++) ;; *) compiler=("$cc" -x c) ;; esac
     for function in 'AddMesh(g, a, 0)' 'SetMesh(g, 0, a)' 'GetMesh(g, 0, a)' 'CommitGeometry(g)' 'GetStatistics(g, s)' \
-      'SetGeometryPrecision(g, STBVH_PRECISION_FAST)' 'SetGeometryInlineShare(g, 1)' \
+      'SetGeometryPrecision(g, STBVH_PRECISION_FAST)' 'SetGeometryMaxBytes(g, 1, 1)' \
       'SetGeometryTolerance(g, 0)' 'SetGeometryProgressFunction(g, 0, 0)'; do
       try() {
         # shellcheck disable=SC2046

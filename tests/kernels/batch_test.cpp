@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 
+#include "limited.h"
 #include "stbvh/structure.h"
 #include "test_meshes.h"
 
@@ -18,7 +19,7 @@ constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 
 class BatchOnIsa : public testing::TestWithParam<Isa> {
  protected:
-  static std::unique_ptr<Structure> build(const BuildSettings& settings) {
+  static std::unique_ptr<Structure> build(float share, const BuildSettings& settings) {
     static std::vector<TestMesh> meshes = [] {
       std::vector<TestMesh> made{test::soup(120, 9, 11), test::soup(80, 1, 12), test::soup(60, 4, 13),
                                  test::sphere(8, 6)};
@@ -28,7 +29,7 @@ class BatchOnIsa : public testing::TestWithParam<Isa> {
     }();
     std::vector<MeshView> views;
     for (TestMesh& mesh : meshes) views.push_back(mesh.view());
-    return Structure::build(views, settings);
+    return Structure::build(views, test::limited(views, share, settings));
   }
 };
 
@@ -86,7 +87,7 @@ TEST_P(BatchOnIsa, AnswersAsOneRayAtATime) {
   const HitFilter some{accept_some, nullptr};
   for (const Precision precision : {Precision::kWatertight, Precision::kFast}) {
     for (const float share : {1.0f, 0.5f}) {
-      const auto structure = build({.inline_share = share, .precision = precision});
+      const auto structure = build(share, {.precision = precision});
       for (const HitFilter* filter : {static_cast<const HitFilter*>(nullptr), &some}) {
         for (const std::size_t count : {0u, 1u, 2u, 7u, 8u, 9u, 16u, 17u, 500u}) {
           std::vector<Spaced> rays;

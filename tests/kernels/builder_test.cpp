@@ -7,8 +7,10 @@
 #include <cstdlib>
 #include <limits>
 #include <mutex>
+#include <string>
 
 #include "layout/layout.h"
+#include "limited.h"
 #include "stbvh/structure.h"
 #include "test_meshes.h"
 
@@ -66,25 +68,81 @@ TEST(Builder, StatisticsAddUpToTheBytes) {
   EXPECT_GE(s.leaf_triangles, s.triangles);
 }
 
-TEST(Builder, InlineShareLimitsTheBytesOfInlineLeaves) {
+TEST(Builder, KeepsToEveryLimitOfBytes) {
   std::vector<TestMesh> meshes = mixed_meshes();
   const BuildStatistics all = Structure::build(views(meshes))->statistics();
   EXPECT_EQ(all.indexed_leaves, 0u);
-  std::size_t previous = all.inline_leaves + 1;
-  for (const float share : {0.75f, 0.5f, 0.25f, 0.0f}) {
+  EXPECT_EQ(all.wanted_bytes, all.structure_bytes);
+  const std::size_t least = test::smallest_bytes(views(meshes));
+  EXPECT_LT(least, all.structure_bytes / 3);
+  std::size_t previous = 0;
+  for (const double share : {0.0, 0.01, 0.1, 0.25, 0.5, 0.75, 0.99, 1.0}) {
     BuildSettings settings;
-    settings.inline_share = share;
+    settings.max_bytes =
+        least + static_cast<std::size_t>(share * static_cast<double>(all.structure_bytes - least));
     const BuildStatistics s = Structure::build(views(meshes), settings)->statistics();
-    EXPECT_EQ(s.inline_leaves + s.indexed_leaves, all.inline_leaves) << "the tree is the same";
-    EXPECT_LT(s.inline_leaves, previous);
-    const auto budget = static_cast<std::size_t>(share * static_cast<float>(all.leaf_bytes));
-    // One indexed leaf serves all time ranges of its triangles: no more of them than triangles.
-    EXPECT_LE(s.leaf_bytes, budget + s.triangles * kIndexedLeafBytes);
-    EXPECT_LE(s.leaf_bytes, budget + s.indexed_leaves * kIndexedLeafBytes);
-    EXPECT_GE(s.leaf_bytes, budget * 9 / 10) << "the budget is used";
-    previous = s.inline_leaves;
+    EXPECT_LE(s.structure_bytes, settings.max_bytes);
+    EXPECT_GE(s.structure_bytes, settings.max_bytes * 8 / 10) << "what may be spent is spent: " << share;
+    EXPECT_GE(s.structure_bytes, previous);
+    EXPECT_GE(s.wanted_bytes, s.structure_bytes);
+    EXPECT_EQ(s.triangles, all.triangles);
+    previous = s.structure_bytes;
   }
-  EXPECT_EQ(previous, 0u);
+  BuildSettings generous;
+  generous.max_bytes = 2 * all.structure_bytes;
+  EXPECT_EQ(Structure::build(views(meshes), generous)->tree_hash(),
+            Structure::build(views(meshes))->tree_hash())
+      << "more than rays profit from is not spent";
+}
+
+TEST(Builder, RefusesALimitBelowTheSmallestStructure) {
+  std::vector<TestMesh> meshes = mixed_meshes();
+  const std::size_t least = test::smallest_bytes(views(meshes));
+  BuildSettings settings;
+  for (const std::size_t bytes : {std::size_t{0}, std::size_t{1}, least / 2, least - 1}) {
+    settings.max_bytes = bytes;
+    try {
+      Structure::build(views(meshes), settings);
+      ADD_FAILURE() << bytes << " of " << least;
+    } catch (const MemoryLimit& limit) {
+      EXPECT_EQ(limit.needed_bytes, least);
+      EXPECT_NE(std::string(limit.what()).find(std::to_string(least)), std::string::npos);
+    }
+  }
+  EXPECT_THROW(Structure::build({}, settings = {.max_bytes = 8}), MemoryLimit);
+  settings.max_bytes = least;
+  EXPECT_EQ(Structure::build(views(meshes), settings)->statistics().structure_bytes, least);
+}
+
+/// Also while it is built, with whatever is temporary.
+TEST(Builder, KeepsToEveryLimitOfItsPeak) {
+  std::vector<TestMesh> meshes = mixed_meshes();
+  const std::size_t all = Structure::build(views(meshes))->statistics().peak_bytes;
+  std::size_t built = 0;
+  for (std::size_t peak = all; peak > all / 20; peak -= all / 20) {
+    BuildSettings settings;
+    settings.max_peak_bytes = peak;
+    std::ptrdiff_t taken = 0, most = 0;
+    BuildCallbacks callbacks;
+    std::mutex mutex;
+    callbacks.temporary_memory = [&](std::ptrdiff_t bytes) {
+      const std::lock_guard lock(mutex);
+      taken += bytes;
+      most = std::max(most, taken);
+      return true;
+    };
+    try {
+      const auto structure = Structure::build(views(meshes), settings, callbacks);
+      EXPECT_LE(structure->statistics().peak_bytes, peak);
+      EXPECT_EQ(structure->statistics().triangles, Structure::build(views(meshes))->statistics().triangles);
+      ++built;
+    } catch (const MemoryLimit& limit) {
+      EXPECT_EQ(limit.needed_bytes, 0u);
+    }
+    EXPECT_LE(most, static_cast<std::ptrdiff_t>(peak));
+    EXPECT_EQ(taken, 0);
+  }
+  EXPECT_GT(built, 3u);
 }
 
 TEST(Builder, InvalidPrimitivesAreLeftOutAndCounted) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "limited.h"
 #include "test_meshes.h"
 
 namespace stbvh {
@@ -15,13 +16,13 @@ struct Both {
   std::unique_ptr<Structure> watertight, fast;
 };
 
-Both build_both(std::vector<TestMesh>& meshes, float inline_share) {
+Both build_both(std::vector<TestMesh>& meshes, float share) {
   std::vector<MeshView> views;
   for (std::uint32_t i = 0; i < meshes.size(); ++i) {
     meshes[i].geom_id = i;
     views.push_back(meshes[i].view());
   }
-  BuildSettings settings{.inline_share = inline_share};
+  BuildSettings settings = test::limited(views, share);
   Both both{Structure::build(views, settings), nullptr};
   settings.precision = Precision::kFast;
   both.fast = Structure::build(views, settings);
@@ -43,8 +44,8 @@ INSTANTIATE_TEST_SUITE_P(Isas, FastOnIsa, testing::ValuesIn(available_isas()),
 
 TEST_P(FastOnIsa, HitsAsTheWatertightTestButForEdges) {
   std::vector<TestMesh> scene = meshes();
-  for (const float inline_share : {1.0f, 0.0f}) {
-    const Both both = build_both(scene, inline_share);
+  for (const float share : {1.0f, 0.0f}) {
+    const Both both = build_both(scene, share);
     EXPECT_EQ(both.fast->tree_hash(), both.watertight->tree_hash());
     Random random(5);
     int hits = 0, different = 0;

@@ -27,7 +27,7 @@ class Meshlets {
   explicit Meshlets(TestMesh source, BuildCallbacks callbacks = {})
       : source_(std::move(source)),
         callbacks_(std::move(callbacks)),
-        context_(callbacks_),
+        context_({}, callbacks_),
         mesh_(source_.view(), 0, kKeepAllSteps),
         set_(make_meshlets(context_, mesh_)) {}
   Meshlets(const Meshlets&) = delete;

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "limited.h"
 #include "test_meshes.h"
 
 namespace stbvh::test {
@@ -77,14 +78,14 @@ std::vector<float> times_in(TimeRange range) {
 
 class NodeVisitorTest : public testing::Test {
  protected:
-  void build(std::vector<TestMesh> given, const BuildSettings& settings = {}) {
+  void build(std::vector<TestMesh> given, float share = 1.0f) {
     meshes = std::move(given);
     std::vector<MeshView> views;
     for (std::size_t i = 0; i < meshes.size(); ++i) {
       meshes[i].geom_id = static_cast<std::uint32_t>(10 + i);
       views.push_back(meshes[i].view());
     }
-    structure = Structure::build(views, settings);
+    structure = Structure::build(views, limited(views, share));
     structure->visit_nodes(keeper);
   }
 
@@ -140,7 +141,7 @@ TEST_F(NodeVisitorTest, boxes_contain_their_triangles_at_every_time) {
 }
 
 TEST_F(NodeVisitorTest, boxes_of_indexed_leaves_and_of_meshes_that_are_there_for_a_part) {
-  build({timed(soup(400, 9, 3), {0.25f, 0.75f}), sphere(8, 17)}, {.inline_share = 0});
+  build({timed(soup(400, 9, 3), {0.25f, 0.75f}), sphere(8, 17)}, 0.0f);
   check_boxes(0, {});
   check_coverage(0);
   check_coverage(1);
@@ -179,7 +180,7 @@ TEST_F(NodeVisitorTest, time_ranges_of_children_cover_the_parents) {
 TEST_F(NodeVisitorTest, counts_agree_with_the_statistics) {
   for (float share : {1.0f, 0.3f, 0.0f}) {
     keeper = Keeper();
-    build({sphere(12, 9), soup(300, 9, 5)}, {.inline_share = share});
+    build({sphere(12, 9), soup(300, 9, 5)}, share);
     const BuildStatistics& s = structure->statistics();
     std::map<NodeKind, std::size_t> counts;
     std::size_t deepest = 0, triangles = 0;

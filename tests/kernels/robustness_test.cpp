@@ -11,6 +11,7 @@
 
 #include "flush_to_zero.h"
 #include "hard_meshes.h"
+#include "limited.h"
 #include "stbvh/structure.h"
 #include "test_meshes.h"
 #include "unculled.h"
@@ -248,7 +249,8 @@ Tally compare(std::span<const MeshView> meshes, const BuildSettings& settings, b
   return tally;
 }
 
-constexpr float kInlineShares[] = {1.0f, 0.0f};
+/// Of the memory beyond that of the smallest structure.
+constexpr float kShares[] = {1.0f, 0.0f};
 
 class RobustnessOf : public testing::TestWithParam<Scene> {};
 
@@ -260,12 +262,10 @@ TEST_P(RobustnessOf, TreeFindsWhatTheTriangleTestAccepts) {
   for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) scene.meshes[i].geom_id = i;
   const std::vector<MeshView> meshes = views(scene.meshes);
   Random random(99);
-  for (const float inline_share : kInlineShares) {
+  for (const float share : kShares) {
     for (const bool flush_build : {false, true}) {
-      SCOPED_TRACE((inline_share > 0 ? "inline" : "indexed") +
-                   std::string(flush_build ? ", built flushing" : ""));
-      BuildSettings settings;
-      settings.inline_share = inline_share;
+      SCOPED_TRACE((share > 0 ? "inline" : "indexed") + std::string(flush_build ? ", built flushing" : ""));
+      const BuildSettings settings = test::limited(meshes, share);
       const Tally tally =
           compare(meshes, settings, flush_build, 2000, [&] { return random_ray(scene, random); });
       EXPECT_EQ(tally.wrong, 0) << "of " << tally.rays;
@@ -307,12 +307,11 @@ TEST(Robustness, TimeRangesOfDenormalLength) {
       std::vector<TestMesh> meshes{timed(ordinary(30, steps, 41), range)};
       const Scene scene{"", 1, meshes};
       const std::vector<MeshView> mesh_views = views(meshes);
-      for (const float inline_share : kInlineShares) {
+      for (const float share : kShares) {
         for (const bool flush_build : {false, true}) {
-          BuildSettings settings;
-          settings.inline_share = inline_share;
           Random random(42);
           try {
+            const BuildSettings settings = test::limited(mesh_views, share);
             const Tally tally =
                 compare(mesh_views, settings, flush_build, 100, [&] { return random_ray(scene, random); });
             EXPECT_EQ(tally.wrong, 0) << range.begin << " to " << range.end << ", " << steps << " steps";

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <limits>
 
+#include "limited.h"
 #include "stbvh/structure.h"
 #include "test_meshes.h"
 #include "unculled.h"
@@ -41,10 +42,8 @@ INSTANTIATE_TEST_SUITE_P(Isas, TraversalOnIsa, testing::ValuesIn(available_isas(
 TEST_P(TraversalOnIsa, FindsWhatTheTriangleTestAccepts) {
   std::vector<TestMesh> meshes = mixed_meshes();
   const std::vector<MeshView> v = views(meshes);
-  for (const float inline_share : {1.0f, 0.0f, 0.5f}) {
-    BuildSettings settings;
-    settings.inline_share = inline_share;
-    const auto structure = Structure::build(v, settings);
+  for (const float share : {1.0f, 0.0f, 0.5f}) {
+    const auto structure = Structure::build(v, test::limited(v, share));
     const test::Unculled unculled(v);
     Random random(7);
     int hits = 0;

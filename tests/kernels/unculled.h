@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "kernels/builder/build_mesh.h"
+#include "limited.h"
 #include "off_plane.h"
 #include "test_meshes.h"
 
@@ -73,7 +74,8 @@ class Unculled {
   void add(const MeshView& given) {
     meshes_.push_back(std::make_unique<BuildMesh>(given, meshes_.size(), BuildSettings{}.tolerance));
     const MeshView& mesh = meshes_.back()->view();
-    constexpr std::array<std::uint32_t, 3> kOwnVertices{0, 1, 2};
+    std::size_t bytes = 0;  // of any triangle at rest
+    static constexpr std::array<std::uint32_t, 3> kOwnVertices{0, 1, 2};
     constexpr Corners kAtRest{Vec3f{0, 0, 0}, Vec3f{1, 0, 0}, Vec3f{0, 1, 0}};
     for (std::size_t prim = 0; prim < mesh.triangle_count; ++prim) {
       std::array<std::uint32_t, 3> vertices;
@@ -86,9 +88,10 @@ class Unculled {
       one.indices = kOwnVertices.data();
       one.triangle_count = 1;
       one.steps = steps;
-      BuildSettings indexed;
-      indexed.inline_share = 0.0f;
-      indexed.tolerance = kKeepAllSteps;  // they begin to move when their buffers are filled
+      // They begin to move when their buffers are filled.
+      BuildSettings indexed{.tolerance = kKeepAllSteps};
+      if (bytes == 0) bytes = smallest_bytes({&one, 1}, indexed);
+      indexed.max_bytes = bytes;
       auto leaf = Structure::build({&one, 1}, indexed);
       if (leaf->statistics().triangles == 0) continue;  // a mesh that is never alive
       if (leaf->statistics().depth != 0) throw std::logic_error("a triangle at rest is more than a leaf");

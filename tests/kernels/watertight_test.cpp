@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "flush_to_zero.h"
+#include "limited.h"
 #include "stbvh/structure.h"
 #include "test_meshes.h"
 
@@ -64,10 +65,8 @@ TEST_P(WatertightOnIsa, ClosedMovingSphereAtVerticesAndEdges) {
   for (const std::size_t steps : {2u, 3u, 9u, 129u}) {
     TestMesh mesh = test::sphere(24, steps);
     const MeshView view = mesh.view();
-    for (const float inline_share : {1.0f, 0.0f}) {
-      BuildSettings settings;
-      settings.inline_share = inline_share;
-      const auto structure = Structure::build({&view, 1}, settings);
+    for (const float share : {1.0f, 0.0f}) {
+      const auto structure = Structure::build({&view, 1}, test::limited({&view, 1}, share));
       const FlushToZero guard(flush);
       EXPECT_EQ(count_leaks(*structure, mesh, isa, {0, 0, 0}, test::count(10000)), 0u) << steps << " steps";
     }
@@ -78,10 +77,8 @@ TEST_P(WatertightOnIsa, SameHitsOnEveryIsaAndLayout) {
   const auto [isa, flush] = GetParam();
   TestMesh mesh = test::sphere(24, 9);
   const MeshView view = mesh.view();
-  BuildSettings indexed;
-  indexed.inline_share = 0.0f;
   const auto a = Structure::build({&view, 1});
-  const auto b = Structure::build({&view, 1}, indexed);
+  const auto b = Structure::build({&view, 1}, test::limited({&view, 1}, 0.0f));
   const FlushToZero guard(flush);
   Random random(22);
   for (int i = 0; i < test::count(20000); ++i) {

@@ -137,7 +137,7 @@ TEST_F(PluginArguments, Null) {
   EXPECT_EQ(stbvhGetMesh(nullptr, 0, &arguments), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhCommitGeometry(nullptr), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhSetGeometryPrecision(nullptr, STBVH_PRECISION_FAST), RTC_ERROR_INVALID_ARGUMENT);
-  EXPECT_EQ(stbvhSetGeometryInlineShare(nullptr, 0.5f), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(stbvhSetGeometryMaxBytes(nullptr, 1, 1), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhSetGeometryTolerance(nullptr, 0.0f), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhSetGeometryProgressFunction(nullptr, nullptr, nullptr), RTC_ERROR_INVALID_ARGUMENT);
   EXPECT_EQ(stbvhGetGeometry(nullptr), nullptr);
@@ -147,16 +147,6 @@ TEST_F(PluginArguments, Null) {
   EXPECT_STREQ(stbvhGetErrorMessage(nullptr), "device is null");
   stbvhRetainGeometry(nullptr);
   stbvhReleaseGeometry(nullptr);
-}
-
-TEST_F(PluginArguments, InlineShareOutOfRange) {
-  const float nan = std::numeric_limits<float>::quiet_NaN();
-  for (const float share : {-0.01f, 1.01f, nan, std::numeric_limits<float>::infinity()}) {
-    EXPECT_EQ(stbvhSetGeometryInlineShare(geometry_.get(), share), RTC_ERROR_INVALID_ARGUMENT) << share;
-  }
-  for (const float share : {0.0f, 0.5f, 1.0f}) {
-    EXPECT_EQ(stbvhSetGeometryInlineShare(geometry_.get(), share), RTC_ERROR_NONE) << share;
-  }
 }
 
 TEST_F(PluginArguments, ToleranceOutOfRange) {
@@ -304,7 +294,7 @@ TEST_F(PluginArguments, EmbreeRefusesScenesWithAGeometryThatChangedSince) {
       [&] { return stbvhAddMesh(g, &arguments, nullptr); },
       [&] { return stbvhSetMesh(g, 0, &arguments); },
       [&] { return stbvhSetGeometryPrecision(g, STBVH_PRECISION_FAST); },
-      [&] { return stbvhSetGeometryInlineShare(g, 0.5f); },
+      [&] { return stbvhSetGeometryMaxBytes(g, 1 << 20, STBVH_NO_LIMIT); },
       [&] { return stbvhSetGeometryTolerance(g, 0.5f); },
   };
   for (const auto& change : changes) {

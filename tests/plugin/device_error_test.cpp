@@ -72,7 +72,6 @@ TEST_F(PluginDeviceErrors, AreThoseThatFunctionsReturn) {
   expect_refused(stbvhSetMesh(geometry_.get(), 0, &mesh));
   expect_refused(stbvhGetMesh(geometry_.get(), 0, &mesh));
   expect_refused(stbvhSetGeometryPrecision(geometry_.get(), static_cast<StbvhPrecision>(2)));
-  expect_refused(stbvhSetGeometryInlineShare(geometry_.get(), 2));
   expect_refused(stbvhSetGeometryTolerance(geometry_.get(), -2));
   expect_refused(stbvhGetStatistics(geometry_.get(), &statistics));
   ASSERT_EQ(stbvhAddMesh(geometry_.get(), &mesh, nullptr), RTC_ERROR_NONE);

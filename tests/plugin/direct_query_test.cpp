@@ -80,13 +80,17 @@ TEST(PluginDirectQueries, InFlight) {
   expect_same_bits(pair, 12);
 }
 
-TEST(PluginDirectQueries, OfAnyPrecisionAndInlineShare) {
+TEST(PluginDirectQueries, OfAnyPrecisionAndLimit) {
   const Device device = new_device();
   ScenePair pair = scene_pair(device, mixed_meshes());
   const StbvhGeometry g = pair.geometry.get();
   ASSERT_EQ(stbvhSetGeometryPrecision(g, STBVH_PRECISION_FAST), RTC_ERROR_NONE);
-  for (const float share : {1.0f, STBVH_INLINE_SHARE_COMPACT, 0.0f}) {
-    ASSERT_EQ(stbvhSetGeometryInlineShare(g, share), RTC_ERROR_NONE);
+  StbvhStatistics all;
+  stbvhInitStatistics(&all);
+  ASSERT_EQ(stbvhGetStatistics(g, &all), RTC_ERROR_NONE);
+  for (const std::size_t percent : {100u, 80u, 50u}) {
+    ASSERT_EQ(stbvhSetGeometryMaxBytes(g, all.structureBytes * percent / 100, STBVH_NO_LIMIT),
+              RTC_ERROR_NONE);
     ASSERT_EQ(stbvhCommitGeometry(g), RTC_ERROR_NONE);
     rtcCommitScene(pair.own.get());
     expect_same_bits(pair, 4);

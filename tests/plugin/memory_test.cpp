@@ -50,19 +50,43 @@ class PluginMemory : public testing::Test {
   Device device_ = new_device();
 };
 
-TEST_F(PluginMemory, FewerVerticesInTheLeavesTakeLess) {
-  std::size_t previous = std::numeric_limits<std::size_t>::max();
-  for (const float share : {1.0f, 0.5f, 0.25f, 0.0f}) {
-    OwnGeometry geometry(stbvhNewGeometry(device_.get()));
-    add_meshes(geometry);
-    ASSERT_EQ(stbvhSetGeometryInlineShare(geometry.get(), share), RTC_ERROR_NONE);
-    ASSERT_EQ(stbvhCommitGeometry(geometry.get()), RTC_ERROR_NONE);
+TEST_F(PluginMemory, IsLimited) {
+  OwnGeometry geometry(stbvhNewGeometry(device_.get()));
+  add_meshes(geometry);
+  const auto commit = [&](std::size_t structure_bytes, std::size_t peak_bytes) {
+    EXPECT_EQ(stbvhSetGeometryMaxBytes(geometry.get(), structure_bytes, peak_bytes), RTC_ERROR_NONE);
+    const RTCError error = stbvhCommitGeometry(geometry.get());
     StbvhStatistics statistics;
     stbvhInitStatistics(&statistics);
-    ASSERT_EQ(stbvhGetStatistics(geometry.get(), &statistics), RTC_ERROR_NONE);
-    EXPECT_LT(statistics.structureBytes, previous) << share;
-    previous = statistics.structureBytes;
+    EXPECT_EQ(stbvhGetStatistics(geometry.get(), &statistics), RTC_ERROR_NONE);
+    EXPECT_EQ(statistics.structureBytes > 0, error == RTC_ERROR_NONE);
+    if (error != RTC_ERROR_NONE) statistics.structureBytes = 0;
+    return statistics;
+  };
+  const StbvhStatistics all = commit(STBVH_NO_LIMIT, STBVH_NO_LIMIT);
+  EXPECT_EQ(all.wantedBytes, all.structureBytes);
+  EXPECT_GT(all.leaves, 0u);
+  EXPECT_EQ(all.indexedLeaves, 0u);
+  for (const std::size_t percent : {90u, 70u, 50u}) {
+    const std::size_t limit = all.structureBytes * percent / 100;
+    const StbvhStatistics limited = commit(limit, STBVH_NO_LIMIT);
+    EXPECT_LE(limited.structureBytes, limit);
+    EXPECT_GT(limited.structureBytes, limit * 8 / 10);
+    EXPECT_GT(limited.indexedLeaves, 0u);
+    EXPECT_GT(limited.wantedBytes, limited.structureBytes);
+    EXPECT_EQ(limited.triangles, all.triangles);
   }
+  const std::size_t peak = all.peakBytes * 9 / 10;
+  const StbvhStatistics low = commit(STBVH_NO_LIMIT, peak);
+  EXPECT_GT(low.structureBytes, 0u);
+  EXPECT_LE(low.peakBytes, peak);
+  for (const auto& [structure_bytes, peak_bytes] :
+       {std::pair<std::size_t, std::size_t>{1000, STBVH_NO_LIMIT}, {STBVH_NO_LIMIT, 1000}, {0, 0}}) {
+    EXPECT_EQ(commit(structure_bytes, peak_bytes).structureBytes, 0u);
+    EXPECT_EQ(stbvhCommitGeometry(geometry.get()), RTC_ERROR_OUT_OF_MEMORY);
+    EXPECT_STRNE(stbvhGetErrorMessage(geometry.get()), "");
+  }
+  EXPECT_EQ(commit(STBVH_NO_LIMIT, STBVH_NO_LIMIT).structureBytes, all.structureBytes);
 }
 
 TEST_F(PluginMemory, IsReportedAndGivenBack) {

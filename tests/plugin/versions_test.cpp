@@ -92,7 +92,10 @@ TEST_F(PluginVersions, StatisticsOfAnOlderHeader) {
                              .peakBytes = 7,
                              .stepsGiven = 7,
                              .stepsKept = 7,
-                             .maxDeviation = 7};
+                             .maxDeviation = 7,
+                             .wantedBytes = 7,
+                             .leaves = 7,
+                             .indexedLeaves = 7};
   ASSERT_EQ(stbvhGetStatistics(geometry_.get(), &statistics), RTC_ERROR_NONE);
   EXPECT_EQ(statistics.byteSize, kOldStatistics);
   EXPECT_EQ(statistics.triangles, 1u);
@@ -123,7 +126,10 @@ TEST(PluginVersion, StatisticsAreInitialised) {
                                  .peakBytes = 0,
                                  .stepsGiven = 0,
                                  .stepsKept = 0,
-                                 .maxDeviation = 0};
+                                 .maxDeviation = 0,
+                                 .wantedBytes = 0,
+                                 .leaves = 0,
+                                 .indexedLeaves = 0};
   EXPECT_EQ(std::memcmp(&statistics, &expected, sizeof(expected)), 0);
 }
 

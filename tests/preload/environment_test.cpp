@@ -32,7 +32,8 @@ TEST(PreloadEnvironment, WithoutVariablesMovingMeshesAreTakenOver) {
   EXPECT_TRUE(r.environment.enabled);
   EXPECT_FALSE(r.environment.all_triangles);
   EXPECT_FALSE(r.environment.verbose);
-  EXPECT_EQ(r.environment.preset, Preset::kDefault);
+  EXPECT_FALSE(r.environment.fast);
+  EXPECT_EQ(r.environment.max_bytes, kNoLimit);
   EXPECT_FALSE(r.environment.statistics.has_value());
   EXPECT_TRUE(r.complaints.empty());
 }
@@ -41,17 +42,19 @@ TEST(PreloadEnvironment, EachVariableDoesWhatItSays) {
   const Read r = read({{"STBVH_PRELOAD", "0"},
                        {"STBVH_PRELOAD_ALL", "1"},
                        {"STBVH_PRELOAD_VERBOSE", "1"},
-                       {"STBVH_PRELOAD_PRESET", "compact"},
+                       {"STBVH_PRELOAD_PRESET", "fast"},
+                       {"STBVH_PRELOAD_MAX_BYTES", "123456"},
                        {"STBVH_PRELOAD_STATISTICS", "out.json"}});
   EXPECT_FALSE(r.environment.enabled);
   EXPECT_TRUE(r.environment.all_triangles);
   EXPECT_TRUE(r.environment.verbose);
-  EXPECT_EQ(r.environment.preset, Preset::kCompact);
+  EXPECT_TRUE(r.environment.fast);
+  EXPECT_EQ(r.environment.max_bytes, 123456u);
   EXPECT_EQ(r.environment.statistics, "out.json");
   EXPECT_TRUE(r.complaints.empty());
   EXPECT_EQ(read({{"STBVH_PRELOAD_STATISTICS", "1"}}).environment.statistics, "");
   EXPECT_FALSE(read({{"STBVH_PRELOAD_STATISTICS", "0"}}).environment.statistics.has_value());
-  EXPECT_EQ(read({{"STBVH_PRELOAD_PRESET", "fast"}}).environment.preset, Preset::kFast);
+  EXPECT_FALSE(read({{"STBVH_PRELOAD_PRESET", "default"}}).environment.fast);
 }
 
 TEST(PreloadEnvironment, AWrongValueIsSaidInASentenceAndTheDefaultTaken) {
@@ -59,11 +62,21 @@ TEST(PreloadEnvironment, AWrongValueIsSaidInASentenceAndTheDefaultTaken) {
       read({{"STBVH_PRELOAD", "yes"}, {"STBVH_PRELOAD_ALL", "2"}, {"STBVH_PRELOAD_PRESET", "small"}});
   EXPECT_TRUE(r.environment.enabled);
   EXPECT_FALSE(r.environment.all_triangles);
-  EXPECT_EQ(r.environment.preset, Preset::kDefault);
+  EXPECT_FALSE(r.environment.fast);
   ASSERT_EQ(r.complaints.size(), 3u);
   EXPECT_EQ(r.complaints[0], "STBVH_PRELOAD must be 0 or 1, not 'yes'; it is taken as 1");
   EXPECT_EQ(r.complaints[2],
-            "STBVH_PRELOAD_PRESET must be default, compact or fast, not 'small'; it is taken as default");
+            "STBVH_PRELOAD_PRESET must be default or fast, not 'small'; it is taken as default");
+}
+
+TEST(PreloadEnvironment, AWrongNumberOfBytesIsSaidInASentenceAndThereIsNoLimit) {
+  for (const char* bytes : {"0", "-1", "1e6", "12 ", "64M", "99999999999999999999999"}) {
+    const Read r = read({{"STBVH_PRELOAD_MAX_BYTES", bytes}});
+    EXPECT_EQ(r.environment.max_bytes, kNoLimit) << bytes;
+    ASSERT_EQ(r.complaints.size(), 1u) << bytes;
+    EXPECT_EQ(r.complaints[0], "STBVH_PRELOAD_MAX_BYTES must be a number of bytes, not '" +
+                                   std::string(bytes) + "'; there is no limit");
+  }
 }
 
 TEST(PreloadDevice, ThreadsOfItsConfiguration) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -48,10 +49,16 @@ enum class Precision {
 /// Takes steps as they are given.
 inline constexpr float kKeepAllSteps = -1.0f;
 
+inline constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
+
 struct BuildSettings {
-  /// How much of the memory that vertices inside the leaves would take may be taken, 0 to 1: leaves that rays
-  /// meet most for their bytes are inline, the others keep vertex indices and read the caller's buffers.
-  float inline_share = 1.0f;
+  /// Bytes that the structure may take. Where it would take more, memory is spent where rays profit most from
+  /// it: time is split less often, and leaves that rays seldom meet keep vertex indices and read the caller's
+  /// buffers.
+  std::size_t max_bytes = kNoLimit;
+  /// Bytes that structure and temporary memory of the build together may take; which tree is built then
+  /// depends on the number of threads.
+  std::size_t max_peak_bytes = kNoLimit;
   /// The tree does not depend on it.
   Precision precision = Precision::kWatertight;
   /// How far a vertex may be from where its mesh says at any time, scene units: of each mesh only the steps
@@ -71,11 +78,19 @@ struct InvalidMesh : std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
+/// Thrown by build() where even the smallest structure takes more than BuildSettings allows.
+struct MemoryLimit : std::runtime_error {
+  MemoryLimit(const std::string& message, std::size_t needed)
+      : std::runtime_error(message), needed_bytes(needed) {}
+  std::size_t needed_bytes;  ///< of the structure; 0: it is the peak that is too small
+};
+
 struct BuildStatistics {
   std::size_t triangles = 0;           ///< valid, and alive at some time in [0, 1]
   std::size_t invalid_triangles = 0;   ///< left out: index out of range, or a vertex not finite in some step
   std::size_t primitive_segments = 0;  ///< sum over valid triangles of max(segments kept, 1)
   std::size_t structure_bytes = 0;     ///< nodes, leaves and mesh table
+  std::size_t wanted_bytes = 0;        ///< that it would take if it were not limited, about
   std::size_t peak_bytes = 0;          ///< structure and temporary memory of the build at their largest
   std::array<std::size_t, 3> nodes{};  ///< static, linear, spatial-temporal
   std::array<std::size_t, 3> node_children{};
@@ -145,8 +160,8 @@ struct TraversalCounters {
 class Structure {
  public:
   /// Builds over `meshes` (Woop et al. 2017, section 3). The tree is the same for any number of threads.
-  /// Throws InvalidMesh, BuildCancelled, std::bad_alloc, std::length_error (a structure above 32 GiB), and
-  /// what the callbacks throw.
+  /// Throws InvalidMesh, BuildCancelled, MemoryLimit, std::bad_alloc, std::length_error (a structure above 32
+  /// GiB), and what the callbacks throw.
   static std::unique_ptr<Structure> build(std::span<const MeshView> meshes,
                                           const BuildSettings& settings = {},
                                           const BuildCallbacks& callbacks = {});

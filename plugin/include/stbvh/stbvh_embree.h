@@ -54,6 +54,7 @@
 #define STBVH_EMBREE_H
 
 #include <stddef.h>
+#include <stdint.h>
 
 #if !defined(STBVH_EMBREE_MAJOR)
 #if defined(RTC_VERSION_MAJOR)
@@ -207,6 +208,9 @@ struct StbvhStatistics {
   size_t stepsGiven;        /**< sum over meshes of stepCount */
   size_t stepsKept;         /**< of them, those that the tolerance takes */
   double maxDeviation;      /**< of any vertex at any time, because of the others; scene units */
+  size_t wantedBytes;       /**< structureBytes if it were not limited, about */
+  size_t leaves;            /**< of the structure */
+  size_t indexedLeaves;     /**< of them, those that read the meshes' buffers, because it is limited */
 };
 
 /** Sets byteSize, and all else to zero. */
@@ -220,6 +224,9 @@ static inline void stbvhInitStatistics(struct StbvhStatistics* statistics) {
   statistics->stepsGiven = 0;
   statistics->stepsKept = 0;
   statistics->maxDeviation = 0.0;
+  statistics->wantedBytes = 0;
+  statistics->leaves = 0;
+  statistics->indexedLeaves = 0;
 }
 
 /**
@@ -283,16 +290,19 @@ enum StbvhPrecision
 STBVH_NODISCARD STBVH_API enum RTCError stbvhSetGeometryPrecision(StbvhGeometry geometry,
                                                                   enum StbvhPrecision precision);
 
-/** The inline share called compact: a third of the bytes of Embree's own tree, at about its speed or better
- * (docs/results.md). */
-#define STBVH_INLINE_SHARE_COMPACT 0.25f
+/** No limit, for stbvhSetGeometryMaxBytes. */
+#define STBVH_NO_LIMIT SIZE_MAX
 
 /**
- * Sets the inline share, which trades speed for memory. Copies of the vertices inside the tree's leaves make
- * it fast and are three quarters of its bytes; this share of them is kept, where rays profit most, and the
- * other leaves read the mesh's buffers. 0 to 1 (default); what lies outside is refused.
+ * Sets how many bytes the structure may take (StbvhStatistics::structureBytes), and how many structure and
+ * temporary memory of the build together (peakBytes). Where the structure would take more (wantedBytes),
+ * memory is spent where rays profit most from it: time is split less often, and leaves that rays seldom meet
+ * read the mesh's buffers instead of holding vertices. stbvhCommitGeometry fails with
+ * RTC_ERROR_OUT_OF_MEMORY where even the smallest structure takes more. STBVH_NO_LIMIT (default) for either:
+ * none. docs/performance.md has the speed that bytes buy.
  */
-STBVH_NODISCARD STBVH_API enum RTCError stbvhSetGeometryInlineShare(StbvhGeometry geometry, float share);
+STBVH_NODISCARD STBVH_API enum RTCError stbvhSetGeometryMaxBytes(StbvhGeometry geometry,
+                                                                 size_t structureBytes, size_t peakBytes);
 
 /** The tolerance that takes all steps as they are given. */
 #define STBVH_KEEP_ALL_STEPS (-1.0f)
@@ -322,9 +332,9 @@ STBVH_NODISCARD STBVH_API enum RTCError stbvhSetGeometryProgressFunction(StbvhGe
  * temporary memory of the build is announced to it in the same way, in blocks of 1 MB and more.
  *
  * RTC_ERROR_INVALID_OPERATION: two or more meshes have the default geomID; RTC_ERROR_OUT_OF_MEMORY: no
- * memory, or the monitor refused; RTC_ERROR_CANCELLED: the progress function returned false;
- * RTC_ERROR_UNKNOWN: anything else. After an error the geometry is empty (it hits nothing) until a commit
- * succeeds, and all memory has been given back.
+ * memory, the monitor refused, or stbvhSetGeometryMaxBytes allows too little; RTC_ERROR_CANCELLED: the
+ * progress function returned false; RTC_ERROR_UNKNOWN: anything else. After an error the geometry is empty
+ * (it hits nothing) until a commit succeeds, and all memory has been given back.
  */
 STBVH_NODISCARD STBVH_API enum RTCError stbvhCommitGeometry(StbvhGeometry geometry);
 

@@ -66,7 +66,9 @@ class Environment(WithFolder):
         self.assertEqual(self.variables()["STBVH_PRELOAD_ALL"], "0")
         self.assertEqual(self.variables()["STBVH_PRELOAD_PRESET"], "default")
         self.assertEqual(self.variables("--all")["STBVH_PRELOAD_ALL"], "1")
-        self.assertEqual(self.variables("--preset", "compact")["STBVH_PRELOAD_PRESET"], "compact")
+        self.assertEqual(self.variables("--preset", "fast")["STBVH_PRELOAD_PRESET"], "fast")
+        self.assertNotIn("STBVH_PRELOAD_MAX_BYTES", self.variables())
+        self.assertEqual(self.variables("--max-bytes", "1000000")["STBVH_PRELOAD_MAX_BYTES"], "1000000")
         self.assertEqual(self.variables("--verbose")["STBVH_PRELOAD_VERBOSE"], "1")
         self.assertEqual(self.variables("--off")["STBVH_PRELOAD"], "0")
         file = self.folder / "s.json"
@@ -162,6 +164,7 @@ class Refusals(WithFolder):
 
     def test_options(self):
         for arguments in ((), ("--nonsense", "true"), ("--preset", "slow", "true"), ("--repeats", "2", "true"),
+                          ("--max-bytes", "0", "true"), ("--max-bytes", "1M", "true"),
                           ("--ab", "--repeats", "0", "true"), ("--ab", "--repeats", "x", "true"),
                           ("--ab", "--off", "true"), ("--",)):
             self.expect(2, "error:", *arguments)

@@ -1,0 +1,50 @@
+/// What memory has to bring: the expected area, SA'(bounds) * T(range), that each byte must save. One price
+/// holds for the whole tree, so that memory goes where rays profit most from it.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+
+#include "builder/mbsah.h"
+#include "layout/layout.h"
+
+namespace stbvh {
+
+/// What one more leaf adds to the nodes above it: a linear node, whose children are five more than it is.
+inline constexpr std::size_t kNodeShareBytes = sizeof(LinearNode) / 5;
+
+struct BytePrice {
+  float area_per_byte = 0.0f;
+  bool may_index = false;  ///< leaves may read the caller's buffers instead of holding vertices
+
+  /// Of a leaf over `steps` steps that rays meet with `expected_area`, in expected area: of the cheaper kind.
+  float of_leaf(float expected_area, std::size_t steps) const {
+    const float held = expected_area * kLeafCost + of_bytes(inline_leaf_bytes(steps));
+    return may_index ? std::min(held, expected_area * kIndexedLeafCost + of_bytes(kIndexedLeafBytes)) : held;
+  }
+  bool indexes(float expected_area, std::size_t steps) const {
+    return may_index &&
+           expected_area * (kIndexedLeafCost - kLeafCost) <
+               area_per_byte * (static_cast<float>(inline_leaf_bytes(steps)) - float{kIndexedLeafBytes});
+  }
+  float of_bytes(std::size_t bytes) const { return area_per_byte * static_cast<float>(bytes); }
+};
+
+/// A leaf against the two halves of its time, each with a leaf of its own.
+struct SplitCosts {
+  float whole_area;  ///< expected
+  float whole;
+  float halves_area = 0.0f;
+  float halves = 0.0f;
+
+  void add_half(const BytePrice& price, float expected_area, std::size_t steps) {
+    if (steps == 0) return;  // not alive then
+    halves_area += expected_area;
+    halves += price.of_leaf(expected_area, steps);
+  }
+  bool is_worth_it(const BytePrice& price) const {
+    return halves_area < kLeastShrinking * whole_area && halves + price.of_bytes(kNodeShareBytes) < whole;
+  }
+};
+
+}  // namespace stbvh
