@@ -164,9 +164,8 @@ void check_statistics(std::span<const MeshView> meshes, float tolerance, const B
           "statistics: each but the root is a child");
   require(s.leaf_triangles >= triangles && s.leaf_triangles <= 8 * leaves, "statistics: leaf_triangles");
   require((s.depth > 0) == (nodes > 0) && s.depth <= nodes && s.depth < 90, "statistics: depth");
-  require(
-      s.leaf_bytes >= 96 * (s.inline_leaves + (s.indexed_leaves > 0)) && s.leaf_bytes <= s.structure_bytes,
-      "statistics: leaf_bytes");
+  require(s.leaf_bytes >= 160 * s.inline_leaves + 64 * (s.indexed_leaves > 0), "statistics: leaf_bytes");
+  require(s.leaf_bytes <= s.structure_bytes && s.structure_bytes <= s.wanted_bytes, "statistics: bytes");
   require(s.peak_bytes >= s.structure_bytes, "statistics: peak_bytes");
 }
 
