@@ -12,6 +12,7 @@ namespace stbvh {
 
 /// What one more leaf adds to the nodes above it: a linear node, whose children are five more than it is.
 inline constexpr std::size_t kNodeShareBytes = sizeof(LinearNode) / 5;
+inline constexpr std::size_t kStaticNodeShareBytes = sizeof(StaticNode) / 5;
 
 struct BytePrice {
   float area_per_byte = 0.0f;

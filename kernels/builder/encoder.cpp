@@ -88,7 +88,9 @@ Encoder::Encoder(BuildContext& context, BinaryTree& tree, std::size_t most_bytes
   counts_ = measure(*tree.root());
   units_ = root_->units;
   if (bytes() > most_bytes) {
-    const std::size_t node_bytes = bytes() - counts_.leaf_units * kUnitBytes;
+    std::size_t node_bytes = 0;
+    for (const LinkKind kind : {LinkKind::kStaticNode, LinkKind::kLinearNode, LinkKind::kSpatialTemporalNode})
+      node_bytes += counts_.nodes[static_cast<std::size_t>(kind)] * node_units(kind) * kUnitBytes;
     choose_leaves(*tree.root(), most_bytes - std::min(node_bytes, most_bytes));
     counts_ = measure(*tree.root());
     units_ = root_->units;

@@ -12,7 +12,7 @@ namespace stbvh {
 
 namespace {
 
-constexpr double kSample = 1024;            ///< leaves, at most
+constexpr double kSample = 1024;            ///< leaves of moving meshes, and of others, at most
 constexpr double kSampledSegments = 65536;  ///< of all leaves of the sample, about
 constexpr int kPriceBits = 40;              ///< prices from 2^-40 of the largest area on
 
@@ -26,40 +26,41 @@ std::size_t run_end(std::span<const Reference> references, std::size_t begin) {
 }  // namespace
 
 LeafSurvey::LeafSurvey(const BuildContext& context, const ReferenceSet& all) {
-  double moving = 0, segments = 0;
-  for (const Reference& reference : all.references) {
-    const BuildMesh& mesh = context.meshes[reference.mesh];
-    moving += !mesh.is_static();
-    segments += static_cast<double>(mesh.segments());
+  for (const bool moving : {false, true}) add_sample(context, all, moving);
+  for (const Group& group : groups_) {
+    for (const Piece& piece : group.pieces) largest_area_ = std::max(largest_area_, piece.expected_area);
   }
-  static_bytes_ = (static_cast<double>(all.size()) - moving) *
-                  static_cast<double>(inline_leaf_bytes(1) + sizeof(StaticNode) / 5);
-  const auto stride =
-      static_cast<std::size_t>(std::ceil(std::max({1.0, moving / kSample, segments / kSampledSegments})));
-  stride_ = static_cast<double>(stride);
+}
 
+void LeafSurvey::add_sample(const BuildContext& context, const ReferenceSet& all, bool moving) {
+  const auto is_meant = [&](const Reference& r) { return context.meshes[r.mesh].is_static() != moving; };
+  double leaves = 0, segments = 0;
+  for (const Reference& reference : all.references) {
+    if (!is_meant(reference)) continue;
+    ++leaves;
+    segments += static_cast<double>(context.meshes[reference.mesh].segments());
+  }
+  const auto stride =
+      static_cast<std::size_t>(std::ceil(std::max({1.0, leaves / kSample, segments / kSampledSegments})));
   std::vector<Reference> sample;
   std::size_t next = 0;
   for (const Reference& reference : all.references) {
-    if (!context.meshes[reference.mesh].is_static() && next++ % stride == 0) sample.push_back(reference);
+    if (is_meant(reference) && next++ % stride == 0) sample.push_back(reference);
   }
   std::vector<std::span<const Reference>> runs;
   for (std::size_t begin = 0, end; begin < sample.size(); begin = end) {
     end = run_end(sample, begin);
     runs.push_back(std::span(sample).subspan(begin, end - begin));
   }
-  groups_.resize(runs.size());
+  const std::size_t first = groups_.size();
+  groups_.resize(first + runs.size());
   tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
-    Group& group = groups_[i];
-    group.roots = runs[i].size();
-    group.pieces.resize(group.roots);
+    Group& group = groups_[first + i];
+    group = {std::vector<Piece>(runs[i].size()), runs[i].size(), moving, static_cast<double>(stride)};
     std::vector<std::uint32_t> places(group.roots);
     for (std::uint32_t place = 0; place < places.size(); ++place) places[place] = place;
     survey(context, runs[i], all.range, places, group);
   });
-  for (const Group& group : groups_) {
-    for (const Piece& piece : group.pieces) largest_area_ = std::max(largest_area_, piece.expected_area);
-  }
 }
 
 void LeafSurvey::survey(const BuildContext& context, std::span<const Reference> references,
@@ -102,9 +103,10 @@ void LeafSurvey::add(const Group& group, const Piece& piece, const BytePrice& pr
   }
   if (piece.steps == 0) return;  // not alive then
   const bool indexed = price.indexes(piece.expected_area, piece.steps);
-  totals.area += stride_ * piece.expected_area * (indexed ? kIndexedLeafCost : kLeafCost);
+  totals.area += group.leaves_for_each * piece.expected_area * (indexed ? kIndexedLeafCost : kLeafCost);
   const std::size_t leaf_bytes = indexed ? kIndexedLeafBytes : inline_leaf_bytes(piece.steps);
-  totals.bytes += stride_ * static_cast<double>(leaf_bytes + kNodeShareBytes);
+  const std::size_t node_bytes = group.moves ? kNodeShareBytes : kStaticNodeShareBytes;
+  totals.bytes += group.leaves_for_each * static_cast<double>(leaf_bytes + node_bytes);
 }
 
 std::size_t LeafSurvey::bytes() const {
@@ -113,12 +115,14 @@ std::size_t LeafSurvey::bytes() const {
   return bytes;
 }
 
-LeafSurvey::Totals LeafSurvey::totals_at(const BytePrice& price) const {
+void LeafSurvey::add_totals(const Group& group, const BytePrice& price, Totals& totals) const {
+  for (std::size_t i = 0; i < group.roots; ++i) add(group, group.pieces[i], price, totals);
+}
+
+double LeafSurvey::bytes_at(const BytePrice& price) const {
   Totals totals;
-  for (const Group& group : groups_) {
-    for (std::size_t i = 0; i < group.roots; ++i) add(group, group.pieces[i], price, totals);
-  }
-  return totals;
+  for (const Group& group : groups_) add_totals(group, price, totals);
+  return totals.bytes;
 }
 
 template <typename IsEnough>
@@ -134,7 +138,10 @@ BytePrice LeafSurvey::least_price(bool may_index, const IsEnough& is_enough) con
 
 BytePrice LeafSurvey::usual_price() const {
   return least_price(false, [&](const BytePrice& price) {
-    const Totals totals = totals_at(price);
+    Totals totals;
+    for (const Group& group : groups_) {
+      if (group.moves) add_totals(group, price, totals);
+    }
     return price.area_per_byte * totals.bytes >= kElasticity * totals.area;
   });
 }

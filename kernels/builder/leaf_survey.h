@@ -21,7 +21,7 @@ class LeafSurvey {
   std::size_t bytes() const;
 
   /// Bytes of nodes and leaves of a tree that is built at `price`, about.
-  double bytes_at(const BytePrice& price) const { return totals_at(price).bytes + static_bytes_; }
+  double bytes_at(const BytePrice& price) const;
 
   /// The price of memory where it is not limited: a hundredth more bytes must save as many hundredths of what
   /// rays have to do in leaves of moving meshes as kElasticity says.
@@ -40,6 +40,8 @@ class LeafSurvey {
   struct Group {
     std::vector<Piece> pieces;
     std::size_t roots;
+    bool moves;
+    double leaves_for_each;  ///< that is in the sample
   };
   struct Totals {
     double area = 0;
@@ -48,15 +50,14 @@ class LeafSurvey {
 
   static void survey(const BuildContext& context, std::span<const Reference> references,
                      const ClosedTimeRange& range, std::span<const std::uint32_t> places, Group& group);
-  Totals totals_at(const BytePrice& price) const;
+  void add_sample(const BuildContext& context, const ReferenceSet& all, bool moving);
+  void add_totals(const Group& group, const BytePrice& price, Totals& totals) const;
   void add(const Group& group, const Piece& piece, const BytePrice& price, Totals& totals) const;
   /// The least price for which `is_enough`, which holds from some price on.
   template <typename IsEnough>
   BytePrice least_price(bool may_index, const IsEnough& is_enough) const;
 
   std::vector<Group> groups_;
-  double stride_ = 1;  ///< leaves of moving meshes for each in the sample
-  double static_bytes_ = 0;
   float largest_area_ = 0;
 };
 
