@@ -53,9 +53,9 @@ void add_options(CLI::App& app, ScalingOptions& o) {
   app.add_option_function<std::string>(
          "--over",
          [&o](const auto& name) { o.over = static_cast<Over>(index_of("thing to vary", name, kOverNames)); },
-         "steps, triangles (only builds), threads, or bytes: the percentages of embree's that structures "
-         "that "
-         "can may take")
+         "steps, triangles (only builds), threads, or bytes: percentages of embree's that structures that "
+         "can "
+         "may take")
       ->required();
   app.add_option("--values", o.values,
                  "How many of them, separated by commas. Default: 2 to 129 steps, 100000 to 1000000 "

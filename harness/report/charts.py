@@ -160,6 +160,18 @@ def scaling_panels(records):
     return panels
 
 
+def legend_height_of(structures):
+    """Inches that draw_legend() takes."""
+    return 0.1 + 0.15 * math.ceil(len(structures) / LEGEND_COLUMNS)
+
+
+def draw_legend(figure, panels):
+    """One for all panels, which have the same lines, below them."""
+    handles, labels = panels.flat[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="lower center", ncol=LEGEND_COLUMNS, fontsize=7, frameon=False,
+                  bbox_to_anchor=(0.5, 0.3 / figure.get_figheight()))
+
+
 def draw_scaling(records):
     """Records of kind "scaling" of one scene over one thing."""
     over = records[0]["over"]
@@ -168,7 +180,7 @@ def draw_scaling(records):
     panels = scaling_panels(records)
     columns = 2 if len(panels) == 4 else len(panels)
     rows = math.ceil(len(panels) / columns)
-    legend_height = 0.1 + 0.15 * math.ceil(len(structures) / LEGEND_COLUMNS)  # inches
+    legend_height = legend_height_of(structures)
     size = (3.7 * columns, 3.0 * rows + 0.6 + legend_height)
     figure, axes_grid = plt.subplots(rows, columns, figsize=size, squeeze=False)
     values = sorted({r["value"] for r in records})
@@ -185,9 +197,7 @@ def draw_scaling(records):
             axes.set_ylim(bottom=0)
         axes.set_xlabel(over if over != "steps" else "steps of each moving mesh")
         axes.set_ylabel(label)
-    handles, labels = axes_grid.flat[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="lower center", ncol=LEGEND_COLUMNS, fontsize=7, frameon=False,
-                  bbox_to_anchor=(0.5, 0.3 / size[1]))
+    draw_legend(figure, axes_grid)
     finish(figure, records, f'{records[0]["scene"]}: scaling over {over}',
            "points: median; whiskers: least and largest of speed and of build time", legend_height)
     return figure
@@ -200,7 +210,7 @@ def draw_budgets(records):
     ending = "_ratio_to_embree"
     kinds = [k[:-len(ending)] for k in distinct(k for r in records for k in r if k.endswith(ending))]
     reference = next(r["structure_bytes"] for r in records if r["structure"] == REFERENCE)
-    legend_height = 0.1 + 0.15 * math.ceil(len(structures) / LEGEND_COLUMNS)  # inches
+    legend_height = legend_height_of(structures)
     size = (4.6 * len(kinds), 3.4 + 0.6 + legend_height)
     figure, panels = plt.subplots(1, len(kinds), figsize=size, squeeze=False)
     for axes, kind in zip(panels.flat, kinds):
@@ -216,9 +226,7 @@ def draw_budgets(records):
         axes.grid(linewidth=0.3)
         axes.set_xlabel(f"bytes, times {REFERENCE}")
         axes.set_ylabel(f"{kind} rays per second, times {REFERENCE}")
-    handles, labels = panels.flat[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="lower center", ncol=LEGEND_COLUMNS, fontsize=7, frameon=False,
-                  bbox_to_anchor=(0.5, 0.3 / size[1]))
+    draw_legend(figure, panels)
     finish(figure, records, f'{records[0]["scene"]}: what memory buys',
            "a point for each limit of bytes; beyond what rays profit from, no more is taken", legend_height)
     return figure

@@ -22,7 +22,6 @@ class BuildMemory {
   /// limit; they are not counted then.
   void take(std::size_t bytes);
   void give_back(std::size_t bytes) noexcept;
-  std::size_t limit() const { return limit_; }
   std::size_t current() const { return current_.load(); }
   std::size_t peak() const { return peak_.load(); }
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "builder/motion_bounds.h"
 
@@ -30,6 +29,7 @@ LeafSurvey::LeafSurvey(const BuildContext& context, const ReferenceSet& all) {
   for (const Group& group : groups_) {
     for (const Piece& piece : group.pieces) largest_area_ = std::max(largest_area_, piece.expected_area);
   }
+  usual_price_ = find_usual_price();
 }
 
 void LeafSurvey::add_sample(const BuildContext& context, const ReferenceSet& all, bool moving) {
@@ -136,7 +136,7 @@ BytePrice LeafSurvey::least_price(bool may_index, const IsEnough& is_enough) con
   return price_at(high);
 }
 
-BytePrice LeafSurvey::usual_price() const {
+BytePrice LeafSurvey::find_usual_price() const {
   return least_price(false, [&](const BytePrice& price) {
     Totals totals;
     for (const Group& group : groups_) {
@@ -148,7 +148,7 @@ BytePrice LeafSurvey::usual_price() const {
 
 BytePrice LeafSurvey::price_for(double bytes) const {
   BytePrice price = least_price(true, [&](const BytePrice& p) { return bytes_at(p) <= bytes; });
-  price.area_per_byte = std::max(price.area_per_byte, usual_price().area_per_byte);
+  price.area_per_byte = std::max(price.area_per_byte, usual_price_.area_per_byte);
   return price;
 }
 

@@ -25,7 +25,7 @@ class LeafSurvey {
 
   /// The price of memory where it is not limited: a hundredth more bytes must save as many hundredths of what
   /// rays have to do in leaves of moving meshes as kElasticity says.
-  BytePrice usual_price() const;
+  const BytePrice& usual_price() const { return usual_price_; }
   /// The least price at which a tree takes at most `bytes`, about; not below usual_price().
   BytePrice price_for(double bytes) const;
 
@@ -57,8 +57,11 @@ class LeafSurvey {
   template <typename IsEnough>
   BytePrice least_price(bool may_index, const IsEnough& is_enough) const;
 
+  BytePrice find_usual_price() const;
+
   std::vector<Group> groups_;
   float largest_area_ = 0;
+  BytePrice usual_price_;
 };
 
 }  // namespace stbvh

@@ -40,11 +40,6 @@ inline constexpr float kVertexWeight = 0.125f;
 /// by this share of its area, the fewer of them remain.
 inline constexpr float kOrphanWeight = 0.5f;
 
-/// Share of `whole` that `part` takes in time.
-inline float time_share(const ClosedTimeRange& part, const ClosedTimeRange& whole) {
-  return whole.length() > 0.0f ? part.length() / whole.length() : 1.0f;
-}
-
 /// SA'(bounds) * T(range): proportional to the probability that a random ray meets them.
 inline float expected_area(const LinearBounds& bounds, const ClosedTimeRange& range) {
   return bounds.centre_area() * range.length();

@@ -35,21 +35,24 @@ class EachStructure : public ::testing::TestWithParam<std::string_view> {
   }
 };
 
+/// Of 5,000 rays, many of which hit.
+void expect_right_answers(const StructureUnderTest& structure, const Oracle& oracle, const RaySet& rays) {
+  const ErrorCounts counts = judge(oracle, 17.0, rays, oracle.answers(rays.rays), trace_all(structure, rays));
+  EXPECT_EQ(counts.traced, 5000u);
+  EXPECT_GT(counts.oracle_hits, 500u);
+  EXPECT_EQ(counts.missed, 0u) << ray_kind_name(rays.kind);
+  EXPECT_EQ(counts.false_hits, 0u) << ray_kind_name(rays.kind);
+  EXPECT_EQ(counts.wrong_primitive, 0u) << ray_kind_name(rays.kind);
+  EXPECT_LT(counts.within_rounding, 5u) << ray_kind_name(rays.kind);
+}
+
 TEST_P(EachStructure, AgreesWithTheOracle) {
   const Scene scene = scene_for(GetParam());
   const auto structure = build_structure(GetParam(), scene, 2);
   const auto reference = build_structure("embree-robust", scene, 2);
   const Oracle oracle(scene);
   for (RayKind kind : ray_kinds()) {
-    const RaySet rays = make_rays(kind, scene, *reference, 5000, 11);
-    const ErrorCounts counts =
-        judge(oracle, 17.0, rays, oracle.answers(rays.rays), trace_all(*structure, rays));
-    EXPECT_EQ(counts.traced, 5000u);
-    EXPECT_GT(counts.oracle_hits, 500u);
-    EXPECT_EQ(counts.missed, 0u) << ray_kind_name(kind);
-    EXPECT_EQ(counts.false_hits, 0u) << ray_kind_name(kind);
-    EXPECT_EQ(counts.wrong_primitive, 0u) << ray_kind_name(kind);
-    EXPECT_LT(counts.within_rounding, 5u) << ray_kind_name(kind);
+    expect_right_answers(*structure, oracle, make_rays(kind, scene, *reference, 5000, 11));
   }
 }
 
@@ -74,14 +77,7 @@ TEST_P(EachStructure, TakesUnevenStepsOrSaysWhyNot) {
   const auto structure = build_structure(GetParam(), scene, 2);
   const Oracle oracle(scene);
   for (const RayKind kind : {RayKind::kUniform, RayKind::kPrimary, RayKind::kUniformOccluded}) {
-    const RaySet rays = make_rays(kind, scene, *structure, 5000, 11);
-    const ErrorCounts counts =
-        judge(oracle, 17.0, rays, oracle.answers(rays.rays), trace_all(*structure, rays));
-    EXPECT_GT(counts.oracle_hits, 500u);
-    EXPECT_EQ(counts.missed, 0u) << ray_kind_name(kind);
-    EXPECT_EQ(counts.false_hits, 0u) << ray_kind_name(kind);
-    EXPECT_EQ(counts.wrong_primitive, 0u) << ray_kind_name(kind);
-    EXPECT_LT(counts.within_rounding, 5u) << ray_kind_name(kind);
+    expect_right_answers(*structure, oracle, make_rays(kind, scene, *structure, 5000, 11));
   }
 }
 

@@ -53,8 +53,7 @@ inline constexpr std::size_t kNoLimit = std::numeric_limits<std::size_t>::max();
 
 struct BuildSettings {
   /// Bytes that the structure may take. Where it would take more, memory is spent where rays profit most from
-  /// it: time is split less often, and leaves that rays seldom meet keep vertex indices and read the caller's
-  /// buffers.
+  /// it: time is split less often, and leaves that rays seldom meet read the caller's buffers.
   std::size_t max_bytes = kNoLimit;
   /// Bytes that structure and temporary memory of the build together may take; which tree is built then
   /// depends on the number of threads.
