@@ -1,5 +1,7 @@
 #include "tests/failing_allocations.h"
 
+#include <dlfcn.h>
+
 #include <atomic>
 #include <cstdlib>
 #include <limits>
@@ -12,20 +14,28 @@ constexpr long kNever = std::numeric_limits<long>::max();
 
 std::atomic<long> first_to_fail{kNever}, last_to_fail{kNever};
 std::atomic<long> calls{0};
+std::atomic<const void*> spared_library{nullptr};
 
-bool fails() {
+const void* library_of(const void* code) {
+  Dl_info info;
+  return dladdr(code, &info) != 0 ? info.dli_fbase : nullptr;
+}
+
+bool fails(const void* caller) {
+  const void* const spared = spared_library;
+  if (spared != nullptr && library_of(caller) == spared) return false;
   const long number = calls.fetch_add(1, std::memory_order_relaxed);
   return number >= first_to_fail.load(std::memory_order_relaxed) &&
          number <= last_to_fail.load(std::memory_order_relaxed);
 }
 
-void* allocate(std::size_t bytes) noexcept {
-  return fails() ? nullptr : std::malloc(bytes == 0 ? 1 : bytes);
+void* allocate(const void* caller, std::size_t bytes) noexcept {
+  return fails(caller) ? nullptr : std::malloc(bytes == 0 ? 1 : bytes);
 }
 
-void* allocate(std::size_t bytes, std::align_val_t alignment) noexcept {
+void* allocate(const void* caller, std::size_t bytes, std::align_val_t alignment) noexcept {
   const auto align = static_cast<std::size_t>(alignment);
-  return fails() ? nullptr : std::aligned_alloc(align, (bytes + align - 1) / align * align);
+  return fails(caller) ? nullptr : std::aligned_alloc(align, (bytes + align - 1) / align * align);
 }
 
 void* or_throw(void* memory) {
@@ -50,28 +60,36 @@ bool FailingAllocations::have_failed() const {
   return calls > first_to_fail;
 }
 
+SparedLibrary::SparedLibrary(const void* function) {
+  spared_library = library_of(function);
+}
+
+SparedLibrary::~SparedLibrary() {
+  spared_library = nullptr;
+}
+
 }  // namespace stbvh::test
 
 using stbvh::test::allocate;
 using stbvh::test::or_throw;
 
 void* operator new(std::size_t bytes) {
-  return or_throw(allocate(bytes));
+  return or_throw(allocate(__builtin_return_address(0), bytes));
 }
 void* operator new[](std::size_t bytes) {
-  return or_throw(allocate(bytes));
+  return or_throw(allocate(__builtin_return_address(0), bytes));
 }
 void* operator new(std::size_t bytes, std::align_val_t alignment) {
-  return or_throw(allocate(bytes, alignment));
+  return or_throw(allocate(__builtin_return_address(0), bytes, alignment));
 }
 void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
-  return allocate(bytes);
+  return allocate(__builtin_return_address(0), bytes);
 }
 void* operator new[](std::size_t bytes, const std::nothrow_t&) noexcept {
-  return allocate(bytes);
+  return allocate(__builtin_return_address(0), bytes);
 }
 void* operator new(std::size_t bytes, std::align_val_t alignment, const std::nothrow_t&) noexcept {
-  return allocate(bytes, alignment);
+  return allocate(__builtin_return_address(0), bytes, alignment);
 }
 void operator delete(void* memory) noexcept {
   std::free(memory);

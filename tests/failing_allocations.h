@@ -18,4 +18,13 @@ class FailingAllocations {
   bool have_failed() const;
 };
 
+/// While it lives, what the library with this function allocates itself does not fail. One at a time.
+class SparedLibrary {
+ public:
+  explicit SparedLibrary(const void* function);
+  ~SparedLibrary();
+  SparedLibrary(const SparedLibrary&) = delete;
+  SparedLibrary& operator=(const SparedLibrary&) = delete;
+};
+
 }  // namespace stbvh::test

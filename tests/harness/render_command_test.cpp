@@ -156,7 +156,7 @@ TEST_F(RenderCommand, ReportsAFullDisk) {
 TEST_F(RenderCommand, KeepsFinishedTilesWhenInterrupted) {
   // Minutes of work, interrupted after the first seconds.
   const std::string file = at("a.exr");
-  const std::string command = "timeout --preserve-status -s INT 3 " + std::string(STBVH_AB) +
+  const std::string command = "timeout --foreground --preserve-status -s INT 3 " + std::string(STBVH_AB) +
                               " render --scenes wheels --scale 0.01 --size 2000x1200 --spp 256 -o " + file +
                               " 2>" + at("log");
   const int status = std::system(command.c_str());
@@ -171,9 +171,10 @@ TEST_F(RenderCommand, KeepsFinishedTilesWhenInterrupted) {
 }
 
 /// Runs `truth`, interrupted half a second after the shell condition `begun` holds; killed if that does
-/// nothing.
+/// nothing. (Without --foreground, `timeout` sends each signal twice, and the second ends the program.)
 Outcome interrupted_truth(const std::string& arguments, const std::string& log, const std::string& begun) {
-  const std::string command = "timeout -s KILL 100 " STBVH_AB " truth --scenes wheels --scale 0.01 " +
+  const std::string command = "timeout --foreground -s KILL 100 " STBVH_AB
+                              " truth --scenes wheels --scale 0.01 " +
                               arguments + " >" + log + " 2>&1 & until " + begun +
                               "; do kill -0 $! || break; sleep 0.1; done; sleep 0.5; kill -INT $!; wait $!";
   const int status = std::system(command.c_str());
