@@ -7,11 +7,13 @@
 #include <algorithm>
 #include <cstring>
 #include <new>
+#include <set>
 #include <vector>
 
 #include "builder/binary_tree.h"
 #include "builder/collapse.h"
 #include "builder/encoder.h"
+#include "builder/mesh_parts.h"
 #include "builder/step_bounds.h"
 #include "layout/node_walk.h"
 #include "traverse/kernel_table.h"
@@ -219,8 +221,8 @@ class StructureImpl final : public Structure {
       const float* first_time = step_times_.data() + step_times_.size();
       step_views_.insert(step_views_.end(), view.steps.begin(), view.steps.end());
       step_times_.insert(step_times_.end(), view.step_times.begin(), view.step_times.end());
-      mesh_records_.push_back(
-          {mesh.grid(), view.mask, view.geom_id, first, view.indices, view.index_stride, first_time});
+      mesh_records_.push_back({mesh.grid(), view.mask, view.geom_id, first, view.indices, view.index_stride,
+                               first_time, mesh.index()});
     }
   }
 
@@ -237,9 +239,15 @@ class StructureImpl final : public Structure {
       const auto wanted = static_cast<std::size_t>(tree.wanted_bytes()) + bytes_beside_block(context);
       statistics_.wanted_bytes = std::max(statistics_.structure_bytes, wanted);
     }
-    statistics_.steps_kept = step_views_.size();
-    for (const BuildMesh& mesh : context.meshes) {
-      statistics_.steps_given += mesh.steps_given();
+    std::set<std::size_t> kept;  // by the parts of one mesh, which stand behind each other
+    for (std::size_t i = 0; i < context.meshes.size(); ++i) {
+      const BuildMesh& mesh = context.meshes[i];
+      kept.insert(mesh.steps_kept().begin(), mesh.steps_kept().end());
+      if (i + 1 == context.meshes.size() || context.meshes[i + 1].index() != mesh.index()) {
+        statistics_.steps_given += mesh.steps_given();
+        statistics_.steps_kept += kept.size();
+        kept.clear();
+      }
       statistics_.max_deviation = std::max(statistics_.max_deviation, mesh.deviation());
     }
     statistics_.peak_bytes =
@@ -333,12 +341,13 @@ std::unique_ptr<Structure> Structure::build(std::span<const MeshView> meshes, co
     BuildContext context(settings, callbacks);
     context.meshes.reserve(meshes.size());
     for (std::size_t i = 0; i < meshes.size(); ++i)
-      context.meshes.emplace_back(meshes[i], i, settings.tolerance);
+      add_mesh(context.meshes, meshes[i], i, settings.tolerance, context.memory);
     context.progress.start();
     BinaryTree tree(context);
-    for (std::size_t i = 0; callbacks.step_bounds && i < meshes.size(); ++i) {
+    for (std::size_t i = 0; callbacks.step_bounds && i < context.meshes.size(); ++i) {
       const BuildMesh& mesh = context.meshes[i];
-      callbacks.step_bounds(i, step_bounds(mesh, context.meshlets[i].meshlets()), mesh.view().step_times);
+      callbacks.step_bounds(mesh.index(), step_bounds(mesh, context.meshlets[i].meshlets()),
+                            mesh.view().step_times);
     }
     const Encoder encoder = build_within_limits(context, tree, StructureImpl::bytes_beside_block(context));
     structure = std::make_unique<StructureImpl>(context, callbacks, tree, encoder);

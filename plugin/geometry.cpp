@@ -120,12 +120,10 @@ std::shared_ptr<const Published> Geometry::build(TemporaryMemory& temporary_memo
   for (const MeshDescription& mesh : meshes_) {
     views.push_back(mesh.view());
     published->add(published_mesh(mesh), views.back().mask);
-    motions.push_back({{}, views.back().time_range, {}});
   }
   BuildCallbacks callbacks = build_callbacks(temporary_memory);
   callbacks.step_bounds = [&](std::size_t mesh, std::vector<Box3f> boxes, std::span<const float> times) {
-    motions[mesh].steps = std::move(boxes);
-    motions[mesh].step_times.assign(times.begin(), times.end());
+    motions.push_back({std::move(boxes), views[mesh].time_range, {times.begin(), times.end()}});
   };
   published->structure = Structure::build(views, settings_, callbacks);
   published->grid = fit_motion_grid(motions);

@@ -9,15 +9,20 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <numeric>
 #include <string>
-
-#include "builder/step_reduction.h"
 
 namespace stbvh {
 
 namespace {
 
-TimeGrid make_grid(const MeshView& view) {
+const MeshView& checked(const MeshView& view, std::size_t index) {
+  if (const char* const problem = problem_of(view))
+    throw InvalidMesh("mesh " + std::to_string(index) + ": " + problem);
+  return view;
+}
+
+TimeGrid grid_of(const MeshView& view) {
   constexpr float inf = std::numeric_limits<float>::infinity();
   if (view.steps.size() == 1) return {-inf, inf, inf, 0.0f};
   const auto segments = static_cast<float>(view.steps.size() - 1);
@@ -38,32 +43,38 @@ bool is_equidistant(const std::vector<std::size_t>& steps) {
 
 }  // namespace
 
-BuildMesh::BuildMesh(const MeshView& view, std::size_t index, float tolerance) : view_(view) {
-  if (const char* const problem = problem_of(view)) {
-    throw InvalidMesh("mesh " + std::to_string(index) + ": " + problem);
-  }
-  steps_given_ = view.steps.size();
-  find_invalid_vertices();
+BuildMesh::BuildMesh(const MeshView& view, std::size_t index)
+    : view_(checked(view, index)),
+      index_(static_cast<std::uint32_t>(index)),
+      steps_given_(view.steps.size()),
+      kept_(view.steps.size()) {
+  std::iota(kept_.begin(), kept_.end(), std::size_t{0});
   if (is_static()) view_.step_times = {};  // not looked at
   for (const float time : view_.step_times) times_.push_back(normal_time(time));
   view_.step_times = times_;
-  if (!is_static() && tolerance >= 0.0f) keep_steps(tolerance);
-  if (times_.size() == 2) {  // are equidistant
-    view_.time_range = {times_[0], times_[1]};
-    times_.clear();
-    view_.step_times = {};
-  }
-  grid_ = make_grid(view_);
-  if (grid_.is_uneven()) {
-    boundaries_.assign(times_.begin() + 1, times_.end() - 1);
-    return;
-  }
-  for (std::uint32_t k = 1; k < segments(); ++k) boundaries_.push_back(first_time_of_segment(grid_, k));
 }
 
-void BuildMesh::keep_steps(float tolerance) {
-  const StepReduction reduction = reduce_steps(
-      view_, [this](std::size_t vertex) { return !is_invalid(vertex); }, tolerance);
+BuildMesh::BuildMesh(const MeshView& view, std::size_t index, float tolerance) : BuildMesh(view, index) {
+  find_invalid_vertices();
+  if (!is_static() && tolerance >= 0.0f) {
+    const auto valid = [this](std::size_t vertex) {
+      return is_invalid(vertex) ? kNoVertex : static_cast<std::uint32_t>(vertex);
+    };
+    keep(reduce_steps(view_, {view_.steps[0].count, valid}, kept_, tolerance));
+  }
+  make_grid();
+}
+
+BuildMesh::BuildMesh(const BuildMesh& whole, const MeshView& view, MeshPart part, BuildMemory& memory)
+    : BuildMesh(view, whole.index()) {
+  prims_ = std::make_unique<TemporaryArray<std::uint32_t>>(memory, part.prims.size());
+  std::ranges::copy(part.prims, prims_->data());
+  invalid_vertices_ = whole.invalid_vertices_;
+  keep(std::move(part.steps));
+  make_grid();
+}
+
+void BuildMesh::keep(StepReduction reduction) {
   deviation_ = reduction.deviation;
   if (reduction.kept.size() == view_.steps.size()) return;
   std::vector<float> times;
@@ -76,6 +87,21 @@ void BuildMesh::keep_steps(float tolerance) {
   view_.steps = steps_;
   times_ = std::move(times);
   view_.step_times = times_;
+  kept_ = std::move(reduction.kept);
+}
+
+void BuildMesh::make_grid() {
+  if (times_.size() == 2) {  // are equidistant
+    view_.time_range = {times_[0], times_[1]};
+    times_.clear();
+    view_.step_times = {};
+  }
+  grid_ = grid_of(view_);
+  if (grid_.is_uneven()) {
+    boundaries_.assign(times_.begin() + 1, times_.end() - 1);
+    return;
+  }
+  for (std::uint32_t k = 1; k < segments(); ++k) boundaries_.push_back(first_time_of_segment(grid_, k));
 }
 
 void BuildMesh::find_invalid_vertices() {

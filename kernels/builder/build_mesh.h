@@ -2,9 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "builder/build_memory.h"
+#include "builder/step_reduction.h"
 #include "layout/closed_time_range.h"
 #include "layout/time_grid.h"
 #include "stbvh/mesh_view.h"
@@ -12,17 +15,36 @@
 
 namespace stbvh {
 
-/// One mesh: access to its triangles and positions.
+/// A part of a mesh that is built with steps of its own.
+struct MeshPart {
+  StepReduction steps;
+  std::vector<std::uint32_t> prims;  ///< ascending
+};
+
+/// One mesh, or one part of it: access to its triangles and positions.
 class BuildMesh {
  public:
   /// Keeps as few steps as stay within `tolerance` (reduce_steps()). Throws InvalidMesh, naming `index`, for
   /// a description that cannot be read.
   BuildMesh(const MeshView& view, std::size_t index, float tolerance);
+  /// A part of `whole`, which was made of `view`.
+  BuildMesh(const BuildMesh& whole, const MeshView& view, MeshPart part, BuildMemory& memory);
   BuildMesh(BuildMesh&&) = default;
 
-  /// Without the steps that are left out.
+  /// Of the whole mesh, without the steps that are left out.
   const MeshView& view() const { return view_; }
+  /// Which of the caller's meshes it is.
+  std::uint32_t index() const { return index_; }
+  std::size_t triangle_count() const {
+    return prims_ == nullptr ? view_.triangle_count : prims_->span().size();
+  }
+  /// Which triangle of the whole mesh the i-th is.
+  std::uint32_t prim(std::size_t i) const {
+    return prims_ == nullptr ? static_cast<std::uint32_t>(i) : prims_->data()[i];
+  }
   std::size_t steps_given() const { return steps_given_; }
+  /// Which of the steps given.
+  const std::vector<std::size_t>& steps_kept() const { return kept_; }
   /// How far the motion is off without them, at most; scene units.
   double deviation() const { return deviation_; }
   const TimeGrid& grid() const { return grid_; }
@@ -65,13 +87,18 @@ class BuildMesh {
   ClosedTimeRange alive(const ClosedTimeRange& range) const;
 
  private:
+  BuildMesh(const MeshView& view, std::size_t index);
   void find_invalid_vertices();
-  void keep_steps(float tolerance);
+  void keep(StepReduction reduction);
+  void make_grid();
 
   MeshView view_;
   std::vector<VertexBufferView> steps_;  ///< of view_, where some were left out
   std::vector<float> times_;             ///< of view_, where the steps are uneven; no denormals
+  std::uint32_t index_;
+  std::unique_ptr<TemporaryArray<std::uint32_t>> prims_;  ///< null: all
   std::size_t steps_given_;
+  std::vector<std::size_t> kept_;
   double deviation_ = 0.0;
   TimeGrid grid_;
   std::vector<float> boundaries_;       ///< first_time_of_segment of segments 1 to S - 1

@@ -16,11 +16,11 @@ static constexpr std::size_t kRun = 8192;
 
 MeshletSet make_meshlets(BuildContext& context, const BuildMesh& mesh) {
   MeshletSet set;
-  if (mesh.view().triangle_count == 0) return set;
+  if (mesh.triangle_count() == 0) return set;
   const TriangleOrder order(context, mesh);
   const std::span<const SortedTriangle> triangles = order.triangles();
   set.triangles = triangles.size();
-  set.invalid_triangles = mesh.view().triangle_count - triangles.size();
+  set.invalid_triangles = mesh.triangle_count() - triangles.size();
   if (triangles.empty()) return set;
 
   using Array = TemporaryArray<Meshlet>;

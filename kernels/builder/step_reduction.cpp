@@ -19,8 +19,8 @@ constexpr std::size_t kChunk = 1024;
 /// Tells how far a mesh is from what some of its steps say of the others.
 class Chords {
  public:
-  Chords(const MeshView& mesh, const std::function<bool(std::size_t)>& counts, float tolerance)
-      : mesh_(mesh), counts_(counts), tolerance_(tolerance) {
+  Chords(const MeshView& mesh, const VertexChoice& vertices, float tolerance)
+      : mesh_(mesh), vertices_(vertices), tolerance_(tolerance) {
     for (std::size_t step = 0; step < mesh.steps.size(); ++step) times_.push_back(step_time(mesh, step));
   }
 
@@ -31,6 +31,11 @@ class Chords {
     return within(last - first, deviation, [&](std::size_t vertex, std::size_t i) {
       return difference(vertex, first, last, first + i);
     });
+  }
+
+  /// Whether `vertex` is at `step` where `first` and `last` say, or `first` alone where they are the same.
+  bool is_said(std::size_t vertex, std::size_t first, std::size_t last, std::size_t step) const {
+    return is_small(difference(vertex, first, last, step));
   }
 
   /// Whether all steps but the first may be left out.
@@ -44,6 +49,10 @@ class Chords {
     double squared = 0.0;
     bool is_rounding = true;
   };
+
+  bool is_small(const Difference& d) const {
+    return d.is_rounding || d.squared <= static_cast<double>(tolerance_) * tolerance_;
+  }
 
   /// Of `vertex` at `step` from the line between two others, or from one.
   Difference difference(std::size_t vertex, std::size_t first, std::size_t last, std::size_t step) const {
@@ -64,19 +73,19 @@ class Chords {
     return result;
   }
 
-  /// Whether `difference_of(vertex, i)` is small enough for all vertices and 0 < i < `count`.
+  /// Whether `difference_of(vertex, i)` is small enough for all chosen vertices and 0 < i < `count`.
   template <typename DifferenceOf>
   bool within(std::size_t count, double& deviation, const DifferenceOf& difference_of) const {
-    const double most = static_cast<double>(tolerance_) * tolerance_;
     std::atomic<bool> fits{true};
     const double largest = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, mesh_.steps[0].count, kChunk), 0.0,
+        tbb::blocked_range<std::size_t>(0, vertices_.count, kChunk), 0.0,
         [&](const tbb::blocked_range<std::size_t>& chunk, double squared) {
           for (std::size_t v = chunk.begin(); v != chunk.end() && fits.load(std::memory_order_relaxed); ++v) {
-            if (!counts_(v)) continue;
+            const std::uint32_t vertex = vertices_.vertex(v);
+            if (vertex == kNoVertex) continue;
             for (std::size_t i = 1; i < count; ++i) {
-              const Difference d = difference_of(v, i);
-              if (!d.is_rounding && !(d.squared <= most)) {
+              const Difference d = difference_of(vertex, i);
+              if (!is_small(d)) {
                 fits.store(false, std::memory_order_relaxed);
                 return squared;
               }
@@ -92,19 +101,23 @@ class Chords {
   }
 
   const MeshView& mesh_;
-  const std::function<bool(std::size_t)>& counts_;
+  const VertexChoice& vertices_;
   float tolerance_;
   std::vector<double> times_;
 };
 
-/// The last step that may follow `first`, all between them left out.
-std::size_t longest_from(const Chords& chords, std::size_t first, std::size_t last, double& deviation) {
+/// The last of `steps` that may follow the one at `first`, all between them left out.
+std::size_t longest_from(const Chords& chords, std::span<const std::size_t> steps, std::size_t first,
+                         double& deviation) {
+  const std::size_t last = steps.size() - 1;
   std::size_t fits = first + 1, reach = 1;
   double fitting = 0.0;
-  const auto try_step = [&](std::size_t step) {
+  // It may: what is asked for is how far off that is.
+  if (steps[fits] > steps[first] + 1) chords.may_replace(steps[first], steps[fits], fitting);
+  const auto try_step = [&](std::size_t i) {
     double off = 0.0;
-    if (!chords.may_replace(first, step, off)) return false;
-    fits = step;
+    if (!chords.may_replace(steps[first], steps[i], off)) return false;
+    fits = i;
     fitting = off;
     return true;
   };
@@ -121,37 +134,54 @@ std::size_t longest_from(const Chords& chords, std::size_t first, std::size_t la
 }  // namespace
 
 float step_time(const MeshView& mesh, std::size_t step) {
-  if (!mesh.step_times.empty()) return mesh.step_times[step];
+  if (!mesh.step_times.empty()) return normal_time(mesh.step_times[step]);
   const double begin = mesh.time_range.begin, end = mesh.time_range.end;
   const auto segments = static_cast<double>(mesh.steps.size() - 1);
   return normal_time(static_cast<float>(begin + (end - begin) * (static_cast<double>(step) / segments)));
 }
 
-StepReduction reduce_steps(const MeshView& mesh, const std::function<bool(std::size_t)>& counts,
-                           float tolerance) {
-  const Chords chords(mesh, counts, tolerance);
-  const std::size_t last = mesh.steps.size() - 1;
+StepReduction reduce_steps(const MeshView& mesh, const VertexChoice& vertices,
+                           std::span<const std::size_t> steps, float tolerance) {
+  const Chords chords(mesh, vertices, tolerance);
   StepReduction reduction;
-  if (chords.time(0) <= 0.0 && chords.time(last) >= 1.0 && chords.stands_still(reduction.deviation)) {
+  if (chords.time(steps.front()) <= 0.0 && chords.time(steps.back()) >= 1.0 &&
+      chords.stands_still(reduction.deviation)) {
     reduction.kept = {0};
     return reduction;
   }
-  reduction.kept = {0};
-  if (last == 1 || chords.may_replace(0, last, reduction.deviation)) {
-    reduction.kept.push_back(last);
+  reduction.kept = {steps.front()};
+  if (chords.may_replace(steps.front(), steps.back(), reduction.deviation)) {
+    reduction.kept.push_back(steps.back());
     return reduction;
   }
-  while (reduction.kept.back() < last)
-    reduction.kept.push_back(longest_from(chords, reduction.kept.back(), last, reduction.deviation));
+  for (std::size_t i = 0; i + 1 < steps.size();) {
+    i = longest_from(chords, steps, i, reduction.deviation);
+    reduction.kept.push_back(steps[i]);
+  }
   // Equidistant times may be nearer to each other than floats are.
   for (std::size_t i = 1; i < reduction.kept.size(); ++i) {
     if (is_usable({step_time(mesh, reduction.kept[i - 1]), step_time(mesh, reduction.kept[i])})) continue;
-    reduction.kept.resize(mesh.steps.size());
-    std::iota(reduction.kept.begin(), reduction.kept.end(), std::size_t{0});
+    reduction.kept.assign(steps.begin(), steps.end());
     reduction.deviation = 0.0;
     break;
   }
   return reduction;
+}
+
+double dispensable_share(const MeshView& mesh, const VertexChoice& vertices,
+                         std::span<const std::size_t> steps, float tolerance) {
+  const Chords chords(mesh, vertices, tolerance);
+  std::size_t dispensable = 0, all = 0;
+  for (std::size_t v = 0; v < vertices.count; ++v) {
+    const std::uint32_t vertex = vertices.vertex(v);
+    if (vertex == kNoVertex) continue;
+    all += steps.size() - 1;
+    // Of the first and the last, one: where the vertex stands still.
+    dispensable += chords.is_said(vertex, steps.front(), steps.front(), steps.back());
+    for (std::size_t i = 1; i + 1 < steps.size(); ++i)
+      dispensable += chords.is_said(vertex, steps[i - 1], steps[i + 1], steps[i]);
+  }
+  return all == 0 ? 0.0 : static_cast<double>(dispensable) / static_cast<double>(all);
 }
 
 }  // namespace stbvh

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "stbvh/mesh_view.h"
@@ -17,13 +19,25 @@ struct StepReduction {
   double deviation = 0.0;         ///< of a vertex that counts, at any time, at most
 };
 
-/// The steps of `mesh`, which has several, that keep each vertex for which `counts` holds within `tolerance`
-/// of where the mesh says, at all times, or within rounding: as far as straight motion is off whose positions
-/// were rounded to floats. Both motions are linear between steps, so they are furthest apart at one. From
-/// each step on the longest stretch is looked for by doubling and halving; not always the fewest that are
-/// possible. One step is kept where a mesh that stands still is alive in all of [0, 1], for then it is hit at
-/// all times.
-StepReduction reduce_steps(const MeshView& mesh, const std::function<bool(std::size_t vertex)>& counts,
-                           float tolerance);
+/// Some vertices of a mesh.
+struct VertexChoice {
+  std::size_t count;
+  std::function<std::uint32_t(std::size_t)> vertex;  ///< kNoVertex: none
+};
+inline constexpr std::uint32_t kNoVertex = 0xFFFFFFFFu;
+
+/// Those of `steps`, which are some of `mesh` and several, that keep each chosen vertex within `tolerance` of
+/// where the mesh says, at all times, or within rounding: as far as straight motion is off whose positions
+/// were rounded to floats. All of `steps` do. Both motions are linear between steps, so they are furthest
+/// apart at one. From each step on the longest stretch is looked for by doubling and halving; not always the
+/// fewest that are possible. One step is kept where vertices that stand still are alive in all of [0, 1], for
+/// then they are hit at all times.
+StepReduction reduce_steps(const MeshView& mesh, const VertexChoice& vertices,
+                           std::span<const std::size_t> steps, float tolerance);
+
+/// How many of `steps` each of the chosen vertices, on average, could do without if its neighbours stayed, as
+/// a share of them all: an estimate of what it brings to reduce vertices by themselves.
+double dispensable_share(const MeshView& mesh, const VertexChoice& vertices,
+                         std::span<const std::size_t> steps, float tolerance);
 
 }  // namespace stbvh

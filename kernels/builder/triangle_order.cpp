@@ -31,7 +31,7 @@ std::uint64_t spread(std::uint64_t x) {
 }  // namespace
 
 TriangleOrder::TriangleOrder(BuildContext& context, const BuildMesh& mesh)
-    : mesh_(mesh), step_(sampled_steps(mesh)[0]), storage_(context.memory, mesh.view().triangle_count) {
+    : mesh_(mesh), step_(sampled_steps(mesh)[0]), storage_(context.memory, mesh.triangle_count()) {
   collect_valid();
   context.progress.check();
   set_keys();
@@ -50,14 +50,15 @@ void TriangleOrder::collect_valid() {
     std::size_t count = 0;
     Box4 centroids3 = Box4::empty();
   };
-  const std::size_t count = mesh_.view().triangle_count;
+  const std::size_t count = mesh_.triangle_count();
   std::vector<Chunk> chunks((count + kChunk - 1) / kChunk);
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
     Chunk chunk;
-    for (std::size_t prim = i * kChunk; prim < std::min((i + 1) * kChunk, count); ++prim) {
+    for (std::size_t k = i * kChunk; k < std::min((i + 1) * kChunk, count); ++k) {
+      const std::uint32_t prim = mesh_.prim(k);
       if (!mesh_.is_valid(mesh_.triangle(prim))) continue;
-      chunk.centroids3.extend(centroid3(static_cast<std::uint32_t>(prim)));
-      storage_.data()[i * kChunk + chunk.count++].prim = static_cast<std::uint32_t>(prim);
+      chunk.centroids3.extend(centroid3(prim));
+      storage_.data()[i * kChunk + chunk.count++].prim = prim;
     }
     chunks[i] = chunk;
   });

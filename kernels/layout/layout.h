@@ -82,7 +82,7 @@ constexpr std::size_t inline_leaf_bytes(std::size_t steps) {
 inline constexpr std::size_t kIndexedLeafBytes = sizeof(LeafHeader);
 static_assert(inline_leaf_bytes(1) == 160 && inline_leaf_bytes(2) == 256 && kIndexedLeafBytes == 64);
 
-/// What the traversal needs to know of a mesh.
+/// What the traversal needs to know of a mesh, or of a part that has steps of its own.
 struct MeshRecord {
   TimeGrid grid;  ///< static meshes: [-inf, +inf], 0 segments
   std::uint32_t mask;
@@ -91,8 +91,9 @@ struct MeshRecord {
   const void* indices;            ///< as MeshView has them
   std::size_t index_stride;
   const float* step_times;  ///< read where the grid is uneven
+  std::uint32_t index;      ///< of the mesh, or of that which this is a part of, in the span given to build()
 };
-static_assert(sizeof(MeshRecord) == 56);
+static_assert(sizeof(MeshRecord) == 64);
 
 /// A structure as the traversal sees it.
 struct StructureView {

@@ -162,7 +162,7 @@ inline bool test_leaf(const StructureView& structure, TraversalRay& ray, const L
     hit.normal = Test::normal(ray, leaf, c, i);
     hit.prim_id = leaf.prim_ids[i];
     hit.geom_id = mesh.geom_id;
-    hit.mesh = leaf.mesh;
+    hit.mesh = mesh.index;
     if (kFiltered && !query.filter->accept(query.filter->user, query.ray, hit)) continue;
     found = true;
     if (kAnyHit) return true;

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "stbvh/structure.h"
 #include "test_meshes.h"
@@ -42,8 +43,11 @@ double measured_deviation(const MeshView& mesh, const std::vector<std::size_t>& 
 }
 
 StepReduction reduce(const MeshView& mesh, float tolerance) {
-  return reduce_steps(
-      mesh, [](std::size_t) { return true; }, tolerance);
+  std::vector<std::size_t> all(mesh.steps.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  const VertexChoice vertices{mesh.steps[0].count,
+                              [](std::size_t v) { return static_cast<std::uint32_t>(v); }};
+  return reduce_steps(mesh, vertices, all, tolerance);
 }
 
 TestMesh sphere(std::size_t steps, const test::Motion& motion) {

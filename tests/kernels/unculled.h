@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "kernels/builder/build_mesh.h"
+#include "kernels/builder/mesh_parts.h"
 #include "limited.h"
 #include "off_plane.h"
 #include "test_meshes.h"
@@ -37,7 +37,7 @@ class Unculled {
     for (const Triangle& triangle : triangles_) {
       Hit hit;
       if (!triangle.leaf->intersect_on(isa, ray, hit)) continue;
-      if (off != nullptr) *off = std::max(*off, triangle.off_plane_of(ray, hit.t));
+      if (off != nullptr) *off = std::max(*off, triangle.off_plane_of(meshes_[triangle.mesh], ray, hit.t));
       if (nearest && hit.t == nearest->t) continue;
       nearest = hit;
       nearest->prim_id = triangle.prim;
@@ -53,11 +53,11 @@ class Unculled {
     std::unique_ptr<Structure> leaf;
     std::uint32_t prim;
     std::vector<Corners> steps;  ///< read by `leaf`
-    const BuildMesh* mesh;
+    std::size_t mesh;
 
-    double off_plane_of(const Ray& ray, float t) const {
+    double off_plane_of(const BuildMesh& of, const Ray& ray, float t) const {
       if (steps.size() == 1) return off_plane(steps[0], steps[0], 0.0f, ray, t);
-      const SegmentTime at = mesh->segment_at(ray.time);
+      const SegmentTime at = of.segment_at(ray.time);
       return off_plane(steps[at.segment], steps[at.segment + 1], at.fraction, ray, t);
     }
   };
@@ -70,14 +70,21 @@ class Unculled {
     return p;
   }
 
-  /// With the steps that a structure keeps by default.
+  /// In the parts, and with the steps, that a structure keeps by default.
   void add(const MeshView& given) {
-    meshes_.push_back(std::make_unique<BuildMesh>(given, meshes_.size(), BuildSettings{}.tolerance));
-    const MeshView& mesh = meshes_.back()->view();
+    const std::size_t first = meshes_.size();
+    add_mesh(meshes_, given, 0, BuildSettings{}.tolerance, memory_);
+    for (std::size_t i = first; i < meshes_.size(); ++i) add_triangles(i);
+  }
+
+  void add_triangles(std::size_t built) {
+    const BuildMesh& whole_or_part = meshes_[built];
+    const MeshView& mesh = whole_or_part.view();
     std::size_t bytes = 0;  // of any triangle at rest
     static constexpr std::array<std::uint32_t, 3> kOwnVertices{0, 1, 2};
     constexpr Corners kAtRest{Vec3f{0, 0, 0}, Vec3f{1, 0, 0}, Vec3f{0, 1, 0}};
-    for (std::size_t prim = 0; prim < mesh.triangle_count; ++prim) {
+    for (std::size_t i = 0; i < whole_or_part.triangle_count(); ++i) {
+      const std::uint32_t prim = whole_or_part.prim(i);
       std::array<std::uint32_t, 3> vertices;
       std::memcpy(&vertices, static_cast<const char*>(mesh.indices) + prim * mesh.index_stride,
                   sizeof vertices);
@@ -96,12 +103,13 @@ class Unculled {
       if (leaf->statistics().triangles == 0) continue;  // a mesh that is never alive
       if (leaf->statistics().depth != 0) throw std::logic_error("a triangle at rest is more than a leaf");
       for (std::size_t k = 0; k < steps.size(); ++k) corners_of_steps[k] = corners(mesh.steps[k], vertices);
-      triangles_.push_back({std::move(leaf), static_cast<std::uint32_t>(prim), std::move(corners_of_steps),
-                            meshes_.back().get()});
+      triangles_.push_back({std::move(leaf), prim, std::move(corners_of_steps), built});
     }
   }
 
-  std::vector<std::unique_ptr<BuildMesh>> meshes_;
+  BuildCallbacks no_callbacks_;
+  BuildMemory memory_{no_callbacks_, kNoLimit};
+  std::vector<BuildMesh> meshes_;
   std::vector<Triangle> triangles_;
 };
 

@@ -31,7 +31,8 @@ struct BuildCallbacks {
   /// Told the fraction done, 0 to 1, never decreasing, one call at a time. Returns false to cancel the build.
   std::function<bool(double fraction)> progress;
   /// Told of each mesh, one after another, the exact boxes of its valid triangles at the steps that were kept
-  /// (empty boxes without any), and the times of these; without times they are equidistant.
+  /// (empty boxes without any), and the times of these; without times they are equidistant. Where parts of a
+  /// mesh keep different steps, it is called for each part.
   std::function<void(std::size_t mesh, std::vector<Box3f> steps, std::span<const float> step_times)>
       step_bounds = nullptr;
 };
@@ -60,9 +61,9 @@ struct BuildSettings {
   std::size_t max_peak_bytes = kNoLimit;
   /// The tree does not depend on it.
   Precision precision = Precision::kWatertight;
-  /// How far a vertex may be from where its mesh says at any time, scene units: of each mesh only the steps
-  /// are kept that this takes. 0: within rounding, so that what stands still is static, and straight motion
-  /// has two steps. Or kKeepAllSteps.
+  /// How far a vertex may be from where its mesh says at any time, scene units: of each mesh, and of parts of
+  /// it that move otherwise than the rest, only the steps are kept that this takes. 0: within rounding, so
+  /// that what stands still is static, and straight motion has two steps. Or kKeepAllSteps.
   float tolerance = 0.0f;
 };
 
@@ -99,9 +100,9 @@ struct BuildStatistics {
   std::size_t leaf_bytes = 0;
   std::size_t temporal_splits = 0;
   std::size_t steps_given = 0;  ///< of all meshes
-  std::size_t steps_kept = 0;
-  double max_deviation = 0.0;  ///< of any vertex at any time, for the steps left out; scene units
-  std::size_t depth = 0;       ///< nodes from the root to the deepest leaf
+  std::size_t steps_kept = 0;   ///< by any part of a mesh
+  double max_deviation = 0.0;   ///< of any vertex at any time, for the steps left out; scene units
+  std::size_t depth = 0;        ///< nodes from the root to the deepest leaf
 };
 
 /// A ray in the conventions of Embree, its members in the order of RTCRay: hits with tnear < t <= tfar,
