@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <optional>
 
@@ -25,11 +26,12 @@ namespace {
 
 constexpr std::size_t kMostTriangles = 100'000'000;
 constexpr std::size_t kMostPercent = 1000;
-constexpr double kBuildBudget = 20;  // seconds
+constexpr std::size_t kMostPowers = 12;  ///< of ten
+constexpr double kBuildBudget = 20;      // seconds
 
 /// What a run varies.
-enum class Over { kSteps, kTriangles, kThreads, kBytes };
-constexpr std::array<std::string_view, 4> kOverNames{"steps", "triangles", "threads", "bytes"};
+enum class Over { kSteps, kTriangles, kThreads, kBytes, kTolerance };
+constexpr std::array<std::string_view, 5> kOverNames{"steps", "triangles", "threads", "bytes", "tolerance"};
 
 std::string_view over_name(Over over) {
   return kOverNames[static_cast<std::size_t>(over)];
@@ -41,6 +43,7 @@ struct ScalingOptions : RecordOptions, SpeedOptions {
   std::string scene = "cloth";
   std::optional<double> scale;
   std::uint64_t seed = 1;
+  Resampling resampling;
   double tolerance = 0;  ///< of the diagonal
   MemoryBudget max_bytes;
   std::vector<std::string> structures;
@@ -53,13 +56,12 @@ void add_options(CLI::App& app, ScalingOptions& o) {
   app.add_option_function<std::string>(
          "--over",
          [&o](const auto& name) { o.over = static_cast<Over>(index_of("thing to vary", name, kOverNames)); },
-         "steps, triangles (only builds), threads, or bytes: percentages of embree's that structures that "
-         "can "
-         "may take")
+         "steps, triangles (only builds), threads; bytes: percentages of embree's that structures that can "
+         "may take; or tolerance: 4 is 1e-4 of the diagonal")
       ->required();
   app.add_option("--values", o.values,
                  "How many of them, separated by commas. Default: 2 to 129 steps, 100000 to 1000000 "
-                 "triangles, 1 to all threads, 20 to 200 % of the bytes")
+                 "triangles, 1 to all threads, 20 to 200 % of the bytes, 1e-2 to 1e-6")
       ->delimiter(',');
   const auto choose = [&o](const std::string& name) {
     std::vector<std::string_view> known;
@@ -74,6 +76,7 @@ void add_options(CLI::App& app, ScalingOptions& o) {
       ->default_str(o.scene);
   add_scale_option(app, o.scale);
   app.add_option("--seed", o.seed, "Seed of scene and rays")->capture_default_str();
+  add_resampling_option(app, o.resampling);
   add_tolerance_option(app, o.tolerance);
   add_max_bytes_option(app, o.max_bytes);
   add_structures_option(app, o.structures);
@@ -96,6 +99,8 @@ std::vector<std::size_t> default_values(Over over) {
       return {100'000, 200'000, 500'000, 1'000'000};
     case Over::kBytes:
       return {20, 25, 30, 35, 40, 45, 50, 55, 60, 65, 70, 75, 80, 90, 100, 120, 140, 160, 180, 200};
+    case Over::kTolerance:
+      return {2, 3, 4, 5, 6};
     case Over::kThreads:
       break;
   }
@@ -110,16 +115,21 @@ ScalingOptions completed(ScalingOptions o) {
   std::sort(o.values.begin(), o.values.end());
   o.values.erase(std::unique(o.values.begin(), o.values.end()), o.values.end());
   if (o.over == Over::kSteps && o.values.front() < 2) throw UsageError("--values: at least 2 steps.");
-  const std::size_t most = o.over == Over::kSteps     ? kMaxSteps
-                           : o.over == Over::kThreads ? usable_core_count()
-                           : o.over == Over::kBytes   ? kMostPercent
-                                                      : kMostTriangles;
+  const std::size_t most = o.over == Over::kSteps       ? kMaxSteps
+                           : o.over == Over::kThreads   ? usable_core_count()
+                           : o.over == Over::kBytes     ? kMostPercent
+                           : o.over == Over::kTolerance ? kMostPowers
+                                                        : kMostTriangles;
   check_range("--values", o.values.front(), most);
   check_range("--values", o.values.back(), most);
   if (o.over == Over::kTriangles && o.scale)
     throw UsageError("--scale: with --over triangles, --values says how many.");
   if (o.over == Over::kBytes && (o.max_bytes.bytes || o.max_bytes.share))
     throw UsageError("--max-bytes: with --over bytes, --values says how many.");
+  if (o.over == Over::kTolerance && o.tolerance > 0)
+    throw UsageError("--tolerance: with --over tolerance, --values says how large.");
+  if (o.over == Over::kSteps && o.resampling.steps > 0)
+    throw UsageError("--resample-steps: with --over steps, --values says how many.");
   const bool varies_scene = o.over == Over::kSteps || o.over == Over::kTriangles;
   if (varies_scene && find_procedural_scene(o.scene)->make_with_steps == nullptr)
     throw UsageError(
@@ -156,7 +166,7 @@ class ScalingRun {
     for (std::size_t value : options_.values) {
       if (names_.empty()) break;
       measure(value);
-      if (options_.over == Over::kBytes) go_on_with_limited_ones();
+      if (options_.over == Over::kBytes || options_.over == Over::kTolerance) go_on_with_embree_and_ours();
       if (options_.over == Over::kSteps || options_.over == Over::kTriangles) leave_out_slow_builds(value);
     }
     progress_.clear();
@@ -170,7 +180,11 @@ class ScalingRun {
     Scene scene = options_.over == Over::kSteps ? source_.make_with_steps(scale, options_.seed, value)
                                                 : source_.make(scale, options_.seed);
     scene = checked(std::move(scene), options_.scene);
-    scene.tolerance = static_cast<float>(options_.tolerance * diagonal(scene));
+    const auto& [steps, places] = options_.resampling;
+    if (steps > 0) scene = resampled(std::move(scene), steps, places);
+    const double share =
+        options_.over == Over::kTolerance ? std::pow(10, -static_cast<double>(value)) : options_.tolerance;
+    scene.tolerance = static_cast<float>(share * diagonal(scene));
     MemoryBudget budget = options_.max_bytes;
     if (options_.over == Over::kBytes) budget.share = static_cast<double>(value) / 100;
     scene.max_bytes = bytes_of(budget, scene);
@@ -184,8 +198,7 @@ class ScalingRun {
     progress_.stage(fmt::format("{} {}: making the scene", value, over));
     const Scene scene = make_scene(value);
     progress_.clear();
-    fmt::print("{}with {} {}\n", scene_heading(summarize(scene)), value,
-               options_.over == Over::kBytes ? "% of embree's bytes" : over);
+    fmt::print("{}with {}\n", scene_heading(summarize(scene)), in_words(value));
     std::fflush(stdout);
     const SceneFigures figures = measure_scene(scene, names_, speed, options_.seed, progress_);
     for (const BuildResult& build : figures.builds) {
@@ -196,8 +209,14 @@ class ScalingRun {
     }
   }
 
-  /// What others take is the same at every limit.
-  void go_on_with_limited_ones() {
+  std::string in_words(std::size_t value) const {
+    if (options_.over == Over::kBytes) return fmt::format("{} % of embree's bytes", value);
+    if (options_.over == Over::kTolerance) return fmt::format("a tolerance of 1e-{} of the diagonal", value);
+    return fmt::format("{} {}", value, over_name(options_.over));
+  }
+
+  /// Others are the same with every limit and tolerance.
+  void go_on_with_embree_and_ours() {
     std::erase_if(names_, [](const std::string& name) { return !is_limitable(name) && name != "embree"; });
   }
 

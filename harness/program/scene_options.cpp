@@ -26,7 +26,7 @@ double checked_scale(double scale) {
 }
 
 /// A number of steps, or uneven:N.
-void set_resampling(const std::string& text, MakingOptions& m) {
+void set_resampling(const std::string& text, Resampling& resampling) {
   constexpr std::string_view kUneven = "uneven:";
   const bool is_uneven = text.starts_with(kUneven);
   const auto steps = parse_number(std::string_view(text).substr(is_uneven ? kUneven.size() : 0));
@@ -34,8 +34,8 @@ void set_resampling(const std::string& text, MakingOptions& m) {
     throw UsageError(
         fmt::format("--resample-steps must be 2 to {}, or uneven:N, not \"{}\".", kMaxSteps, text));
   }
-  m.resample_steps = static_cast<std::size_t>(*steps);
-  m.resample_places = is_uneven ? StepPlaces::kUneven : StepPlaces::kEquidistant;
+  resampling.steps = static_cast<std::size_t>(*steps);
+  resampling.places = is_uneven ? StepPlaces::kUneven : StepPlaces::kEquidistant;
 }
 
 double checked_tolerance(double share) {
@@ -127,6 +127,13 @@ void add_scale_option(CLI::App& app, std::optional<double>& scale) {
       "(see list)");
 }
 
+void add_resampling_option(CLI::App& app, Resampling& resampling) {
+  app.add_option_function<std::string>(
+      "--resample-steps", [&resampling](const auto& steps) { set_resampling(steps, resampling); },
+      "Hand every mesh over with so many steps, 2 to 4096, also what stands still; or uneven:N, N steps at "
+      "times of their own. Default: as they are");
+}
+
 void add_tolerance_option(CLI::App& app, double& tolerance) {
   app.add_option_function<double>(
       "--tolerance", [&tolerance](double share) { tolerance = checked_tolerance(share); },
@@ -165,10 +172,7 @@ void add_making_options(CLI::App& app, MakingOptions& m) {
   add_number_option(
       app, "--step", m.obj_step, kLargestObjStep,
       "OBJ: by how much the numbers of a sequence go up from file to file, as in 2 for one on twos");
-  app.add_option_function<std::string>(
-      "--resample-steps", [&m](const auto& steps) { set_resampling(steps, m); },
-      "Hand every mesh over with so many steps, 2 to 4096, also what stands still; or uneven:N, N steps at "
-      "times of their own. Default: as they are");
+  add_resampling_option(app, m.resampling);
   add_tolerance_option(app, m.tolerance);
   add_max_bytes_option(app, m.max_bytes);
   keep_words(app, first, m.scene_words);

@@ -23,14 +23,19 @@ struct MemoryBudget {
   std::optional<double> share;
 };
 
+/// Steps that every mesh is handed over with.
+struct Resampling {
+  std::size_t steps = 0;  ///< 0: as they are
+  StepPlaces places = StepPlaces::kEquidistant;
+};
+
 /// How scenes are made.
 struct MakingOptions {
   std::optional<double> scale;  ///< of built-in scenes; empty: each scene's default
   std::uint64_t seed = 1;
   GltfOptions gltf;
-  std::size_t obj_step = 1;        ///< by which the numbers of OBJ sequences go up
-  std::size_t resample_steps = 0;  ///< of every mesh; 0: as they are
-  StepPlaces resample_places = StepPlaces::kEquidistant;
+  std::size_t obj_step = 1;  ///< by which the numbers of OBJ sequences go up
+  Resampling resampling;
   double tolerance = 0;    ///< of structures that can, of the scene's diagonal
   MemoryBudget max_bytes;  ///< of the same
   /// Those of these options, and --scenes, that were given, for another command.
@@ -47,6 +52,9 @@ struct SceneOptions : MakingOptions {
 
 /// --scale.
 void add_scale_option(CLI::App& app, std::optional<double>& scale);
+
+/// --resample-steps.
+void add_resampling_option(CLI::App& app, Resampling& resampling);
 
 /// --tolerance, of a scene's diagonal.
 void add_tolerance_option(CLI::App& app, double& tolerance);

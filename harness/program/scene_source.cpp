@@ -110,10 +110,10 @@ std::optional<std::size_t> bytes_of(const MemoryBudget& budget, const Scene& sce
 
 SceneSource find_scene(const std::string& name, const MakingOptions& making) {
   SceneSource source = find_source(name, making);
-  source.load = [load = std::move(source.load), steps = making.resample_steps,
-                 places = making.resample_places, share = making.tolerance, budget = making.max_bytes] {
+  source.load = [load = std::move(source.load), resampling = making.resampling, share = making.tolerance,
+                 budget = making.max_bytes] {
     Scene scene = load();
-    if (steps > 0) scene = resampled(std::move(scene), steps, places);
+    if (resampling.steps > 0) scene = resampled(std::move(scene), resampling.steps, resampling.places);
     scene.tolerance = static_cast<float>(share * diagonal(scene));
     scene.max_bytes = bytes_of(budget, scene);
     return scene;

@@ -3,8 +3,8 @@
 
 charts.py RECORDS.json... -o DIR [--structures NAME,...] [--format svg|png]
 
-Speed in each scene and over all, bytes, build time; scaling over steps, triangles and threads: whatever the
-records hold. The functions that draw take records and return a figure; charts() says which file each goes to.
+Speed in each scene and over all, bytes, build time; scaling over steps, triangles, threads, bytes and tolerance:
+whatever the records hold. The functions that draw take records and return a figure; charts() says which file each goes to.
 Prints the files' names.
 """
 import argparse
@@ -128,12 +128,17 @@ def draw_summary(records):
     return figure
 
 
+def varied(record):
+    """What the run varied; tolerances are handed over as powers of ten."""
+    return 10.0 ** -record["value"] if record["over"] == "tolerance" else record["value"]
+
+
 def draw_line(axes, records, structure, style, value, spread=None):
     """value(record) of a structure against what the run varied, with whiskers of `spread` if that is a key."""
     shown = sorted((r for r in records if r["structure"] == structure and value(r) is not None),
                    key=lambda r: r["value"])
     if shown:
-        axes.errorbar([r["value"] for r in shown], [value(r) for r in shown],
+        axes.errorbar([varied(r) for r in shown], [value(r) for r in shown],
                       yerr=whiskers(shown, spread) if spread else None, label=structure, linewidth=1, markersize=3.5,
                       elinewidth=0.6, capsize=1.5, **style)
 
@@ -150,8 +155,8 @@ def scaling_panels(records):
                   ("structure, bytes per triangle", per_triangle("structure_bytes"), None, False),
                   ("peak while building, bytes per triangle", per_triangle("peak_bytes"), None, False)]
     else:
-        panels = [("build time, s", lambda r: r["build_s"], "build_s", over == "steps")]
-        if over == "steps":
+        panels = [("build time, s", lambda r: r["build_s"], "build_s", over in ("steps", "tolerance"))]
+        if over in ("steps", "tolerance"):
             panels.insert(0, ("structure, MB (1e6 bytes)", lambda r: r["structure_bytes"] / 1e6, None, True))
     ending = "_mrays_per_s"
     for key in distinct(k for r in records for k in r if k.endswith(ending)):
@@ -183,7 +188,8 @@ def draw_scaling(records):
     legend_height = legend_height_of(structures)
     size = (3.7 * columns, 3.0 * rows + 0.6 + legend_height)
     figure, axes_grid = plt.subplots(rows, columns, figsize=size, squeeze=False)
-    values = sorted({r["value"] for r in records})
+    values = sorted({varied(r) for r in records})
+    labels = {"steps": "steps of each moving mesh", "tolerance": "tolerance, of the diagonal"}
     for axes, (label, value, spread, is_log) in zip(axes_grid.flat, panels):
         for structure in structures:
             draw_line(axes, records, structure, style[structure], value, spread)
@@ -195,7 +201,7 @@ def draw_scaling(records):
             log_scale(axes)
         else:
             axes.set_ylim(bottom=0)
-        axes.set_xlabel(over if over != "steps" else "steps of each moving mesh")
+        axes.set_xlabel(labels.get(over, over))
         axes.set_ylabel(label)
     draw_legend(figure, axes_grid)
     finish(figure, records, f'{records[0]["scene"]}: scaling over {over}',

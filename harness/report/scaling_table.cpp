@@ -40,7 +40,9 @@ std::string scaling_table(const std::vector<ScalingResult>& results) {
          "in scene: triangles; ns/triangle: build time; peak bytes/t: largest while building, for each "
          "triangle; rays: "
          "Mrays/s.\n" +
-         (results.front().over == "bytes" ? "bytes: percent of embree's that may be taken.\n" : "");
+         (results.front().over == "bytes"       ? "bytes: percent of embree's that may be taken.\n"
+          : results.front().over == "tolerance" ? "tolerance: 4 is 1e-4 of the diagonal.\n"
+                                                : "");
 }
 
 }  // namespace stbvh::harness

@@ -65,13 +65,14 @@ INSTANTIATE_TEST_SUITE_P(
         "scaling --over steps --values x", "scaling --over steps --scene crowd",
         "scaling --over triangles --values 0", "scaling --over triangles --scale 1",
         "scaling --over triangles --values 10000000 --scene barbarian-rotate",
-        "scaling --over threads --threads 1", "scaling --over threads --values 100000",
-        "scaling --over steps --json /no/such/directory/a.json", "charts", "charts a.json", "charts -o /tmp",
-        "charts a.json -o /tmp --format pdf", "charts /no/such.json -o /tmp", "compare", "compare a.exr",
-        "compare /no/a.exr /no/b.exr", "truth", "truth -o /proc/none", "truth --scenes all -o /tmp",
-        "truth --structures all -o /tmp", "truth --frozen-times 0 -o /tmp", "truth --spp 0 -o /tmp", "report",
-        "report -o /proc/none", "report -o ''", "report --structures stbhv -o /tmp/none",
-        "report --scenes no-such -o /tmp/none"));
+        "scaling --over tolerance --tolerance 1e-3", "scaling --over tolerance --values 13",
+        "scaling --over steps --resample-steps 9", "scaling --over threads --threads 1",
+        "scaling --over threads --values 100000", "scaling --over steps --json /no/such/directory/a.json",
+        "charts", "charts a.json", "charts -o /tmp", "charts a.json -o /tmp --format pdf",
+        "charts /no/such.json -o /tmp", "compare", "compare a.exr", "compare /no/a.exr /no/b.exr", "truth",
+        "truth -o /proc/none", "truth --scenes all -o /tmp", "truth --structures all -o /tmp",
+        "truth --frozen-times 0 -o /tmp", "truth --spp 0 -o /tmp", "report", "report -o /proc/none",
+        "report -o ''", "report --structures stbhv -o /tmp/none", "report --scenes no-such -o /tmp/none"));
 
 // cli_test begins as the programs do: harness/program/program.cpp is in it.
 TEST(ProgramDeathTest, WithoutMemoryForGmpEndsInOneLine) {
@@ -281,6 +282,25 @@ TEST_F(Records, OfScalingOverTrianglesAreBuilds) {
     EXPECT_FALSE(r.contains("bounce_mrays_per_s"));
   }
   EXPECT_EQ(all[3]["value"], 8000);
+}
+
+TEST_F(Records, OfScalingOverToleranceShrink) {
+  const auto all = records(
+      "scaling --over tolerance --values 6,2 --scene barbarian-rotate --scale 0.01 --resample-steps 33 "
+      "--structures stbvh-direct,lbvh --count 500 --repeats 2 --build-budget 0");
+  std::map<std::string, std::map<int, nlohmann::json>> found;
+  for (const auto& r : all) {
+    EXPECT_EQ(r["over"], "tolerance");
+    found[r["structure"]][r["value"]] = r;
+  }
+  EXPECT_EQ(found["lbvh"].size(), 1u) << "which leaves out no steps";
+  const auto &coarse = found["stbvh-direct"][2], &fine = found["stbvh-direct"][6];
+  EXPECT_LT(coarse["structure_bytes"], fine["structure_bytes"]);
+  EXPECT_LT(coarse["steps_kept"], fine["steps_kept"]);
+  EXPECT_GT(coarse["tolerance"], fine["tolerance"]);
+  EXPECT_LE(coarse["max_deviation"], coarse["tolerance"]);
+  EXPECT_GT(coarse["max_deviation"], fine["max_deviation"]);
+  EXPECT_EQ(found["embree"][2]["structure_bytes"], found["embree"][6]["structure_bytes"]);
 }
 
 TEST_F(Records, OfScalingOverThreadsHoldEachCount) {
