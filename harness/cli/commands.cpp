@@ -17,7 +17,20 @@
 namespace stbvh::harness {
 namespace {
 
-void run_list(const std::string&) {
+struct ListOptions {
+  bool families = false;
+};
+
+void add_options(CLI::App& app, ListOptions& o) {
+  app.add_flag("--families", o.families, "The families of hard cases instead, and what they are");
+}
+
+void run_list(const ListOptions& options) {
+  if (options.families) {
+    for (const HardFamily& family : hard_families())
+      fmt::print("{:<25} {}\n", family.name, family.description);
+    return;
+  }
   fmt::print("scenes (or a .glb, .gltf, .xml or .ecs file, or .obj files)\n");
   for (const ProceduralScene& scene : procedural_scenes()) {
     fmt::print("  {:<17} {} (default scale {})\n", scene.name, scene.description, scene.default_scale);
@@ -26,11 +39,13 @@ void run_list(const std::string&) {
   for (std::string_view name : structure_names()) {
     fmt::print("  {:<21} {}\n", name, structure_description(name));
   }
-  fmt::print("rays\n");
-  for (RayKind kind : ray_kinds()) fmt::print("  {}\n", ray_kind_name(kind));
-  fmt::print("families of hard cases\n");
-  for (const HardFamily& family : hard_families())
-    fmt::print("  {:<25} {}\n", family.name, family.description);
+  fmt::print("rays\n ");
+  for (RayKind kind : ray_kinds()) fmt::print(" {}", ray_kind_name(kind));
+  fmt::print("\n{} families of hard cases: stbvh-ab list --families\n", hard_families().size());
+}
+
+Work list_command(CLI::App& app) {
+  return make_work(app, run_list);
 }
 
 struct Command {
@@ -39,7 +54,7 @@ struct Command {
   const char* description;
 };
 constexpr Command kCommands[] = {
-    {"list", [](CLI::App&) { return Work(run_list); }, "Names of scenes, structures and kinds of rays"},
+    {"list", list_command, "Names of scenes, structures and kinds of rays"},
     {"bench", bench_command, "Build each structure, trace the same rays interleaved, compare"},
     {"error", error_command, "Compare what each structure answers with an exact oracle"},
     {"hard", hard_command,

@@ -113,9 +113,11 @@ TEST(Program, ListsAndHelps) {
   const Outcome list = stbvh_ab("list");
   EXPECT_EQ(list.exit_code, 0);
   for (const char* name : {"barbershop", "static-city", "stbvh-direct", "stbvh-direct-indexed",
-                           "stbvh-direct-scalar", "lbvh-4v", "uniform", "closed-2k-8"}) {
+                           "stbvh-direct-scalar", "lbvh-4v", "uniform", "stbvh-ab list --families"}) {
     EXPECT_NE(list.out.find(name), std::string::npos) << name;
   }
+  EXPECT_LE(std::ranges::count(list.out, '\n'), 40) << "a screen";
+  EXPECT_NE(stbvh_ab("list --families").out.find("closed-2k-8"), std::string::npos);
   EXPECT_EQ(stbvh_ab("--help").exit_code, 0);
   EXPECT_EQ(stbvh_ab("bench --help").exit_code, 0);
   EXPECT_EQ(stbvh_ab("hard --help").exit_code, 0);
