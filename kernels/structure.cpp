@@ -340,8 +340,7 @@ std::unique_ptr<Structure> Structure::build(std::span<const MeshView> meshes, co
   const auto build_here = [&] {
     BuildContext context(settings, callbacks);
     context.meshes.reserve(meshes.size());
-    for (std::size_t i = 0; i < meshes.size(); ++i)
-      add_mesh(context.meshes, meshes[i], i, settings.tolerance, context.memory);
+    for (std::size_t i = 0; i < meshes.size(); ++i) add_mesh(context, meshes[i], i);
     context.progress.start();
     BinaryTree tree(context);
     for (std::size_t i = 0; callbacks.step_bounds && i < context.meshes.size(); ++i) {

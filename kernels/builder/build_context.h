@@ -16,10 +16,10 @@ struct BuildContext {
   BuildContext(const BuildSettings& all_settings, const BuildCallbacks& callbacks)
       : settings(all_settings), memory(callbacks, settings.max_peak_bytes), progress(callbacks) {}
 
+  BuildSettings settings;
+  BuildMemory memory;  ///< before what is counted in it
   std::vector<BuildMesh> meshes;
   std::vector<MeshletSet> meshlets;  ///< of each mesh
-  BuildSettings settings;
-  BuildMemory memory;
   BuildProgress progress;
   BytePrice price;  ///< of memory
 };

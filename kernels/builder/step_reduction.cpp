@@ -77,24 +77,26 @@ class Chords {
   template <typename DifferenceOf>
   bool within(std::size_t count, double& deviation, const DifferenceOf& difference_of) const {
     std::atomic<bool> fits{true};
-    const double largest = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, vertices_.count, kChunk), 0.0,
-        [&](const tbb::blocked_range<std::size_t>& chunk, double squared) {
-          for (std::size_t v = chunk.begin(); v != chunk.end() && fits.load(std::memory_order_relaxed); ++v) {
-            const std::uint32_t vertex = vertices_.vertex(v);
-            if (vertex == kNoVertex) continue;
-            for (std::size_t i = 1; i < count; ++i) {
-              const Difference d = difference_of(vertex, i);
-              if (!is_small(d)) {
-                fits.store(false, std::memory_order_relaxed);
-                return squared;
-              }
-              squared = std::max(squared, d.squared);
-            }
+    const tbb::blocked_range<std::size_t> all(0, vertices_.count, kChunk);
+    const auto largest_in = [&](const tbb::blocked_range<std::size_t>& chunk, double squared) {
+      for (std::size_t v = chunk.begin(); v != chunk.end() && fits.load(std::memory_order_relaxed); ++v) {
+        const std::uint32_t vertex = vertices_.vertex(v);
+        if (vertex == kNoVertex) continue;
+        for (std::size_t i = 1; i < count; ++i) {
+          const Difference d = difference_of(vertex, i);
+          if (!is_small(d)) {
+            fits.store(false, std::memory_order_relaxed);
+            return squared;
           }
-          return squared;
-        },
-        [](double a, double b) { return std::max(a, b); });
+          squared = std::max(squared, d.squared);
+        }
+      }
+      return squared;
+    };
+    const double largest =
+        all.is_divisible()
+            ? tbb::parallel_reduce(all, 0.0, largest_in, [](double a, double b) { return std::max(a, b); })
+            : largest_in(all, 0.0);
     if (!fits.load()) return false;
     deviation = std::max(deviation, std::sqrt(largest));
     return true;
@@ -136,6 +138,7 @@ std::size_t longest_from(const Chords& chords, std::span<const std::size_t> step
 float step_time(const MeshView& mesh, std::size_t step) {
   if (!mesh.step_times.empty()) return normal_time(mesh.step_times[step]);
   const double begin = mesh.time_range.begin, end = mesh.time_range.end;
+  if (step == mesh.steps.size() - 1) return normal_time(mesh.time_range.end);  // whatever rounds below
   const auto segments = static_cast<double>(mesh.steps.size() - 1);
   return normal_time(static_cast<float>(begin + (end - begin) * (static_cast<double>(step) / segments)));
 }

@@ -1,7 +1,7 @@
 /// Parts of a mesh that move otherwise than the rest: as if they were meshes of their own, and without gaps.
 #include <gtest/gtest.h>
 
-#include <numeric>
+#include <limits>
 
 #include "stbvh/structure.h"
 #include "test_meshes.h"
@@ -184,6 +184,34 @@ TEST(MeshParts, TellTheirBounds) {
   build({&all}, 0.0f, callbacks);
   std::ranges::sort(steps);
   EXPECT_EQ(steps, (std::vector<std::size_t>{1, kSteps}));
+}
+
+/// Looking for parts is not what a build fails of.
+TEST(MeshParts, AreLeftOutWhereThereIsNoMemoryToFindThem) {
+  TestMesh all = joined(test::sphere(8, kSteps, still), test::sphere(8, kSteps, test::tumble, {3, 0, 0}));
+  for (auto& step : all.positions) step.resize(1'000'000);  // most of them not used
+  const MeshView view = all.view();
+  BuildSettings settings;
+  settings.max_peak_bytes = 2'000'000;
+  const auto structure = Structure::build({&view, 1}, settings);
+  EXPECT_EQ(structure->statistics().primitive_segments, view.triangle_count * (kSteps - 1));
+  EXPECT_LE(structure->statistics().peak_bytes, settings.max_peak_bytes);
+}
+
+/// Vertices of no triangle, and invalid ones, connect nothing.
+TEST(MeshParts, AreNotConnectedByWhatIsNotBuilt) {
+  TestMesh all = joined(test::sphere(8, kSteps, still), test::sphere(8, kSteps, test::tumble, {3, 0, 0}));
+  const std::size_t triangles = all.indices.size() / 6;
+  const auto vertices = static_cast<std::uint32_t>(all.positions[0].size());
+  for (std::size_t step = 0; step < kSteps; ++step) {
+    auto& positions = all.positions[step];
+    positions.push_back(positions[vertices / 2 + 5 * (step % 2)]);  // beside either, and used by none
+    positions.push_back({std::numeric_limits<float>::quiet_NaN(), 0, 0});
+  }
+  all.indices.insert(all.indices.end(), {0, vertices - 1, vertices + 1});
+  const auto structure = build({&all});
+  EXPECT_EQ(structure->statistics().invalid_triangles, 1u);
+  EXPECT_EQ(structure->statistics().primitive_segments, triangles * (1 + kSteps - 1));
 }
 
 /// Many components, each with a motion of its own: their number does not grow.

@@ -163,6 +163,23 @@ TEST(StepReduction, KeepsStepsWhereTheMotionIsCurved) {
   }
 }
 
+/// The last step is at the end of the time range, however its time would round.
+TEST(StepReduction, WhatIsKeptLivesAsLongAsItWasGiven) {
+  TestMesh mesh = sphere(17, [](Vec3f p, float t) { return Vec3f{p.x + std::min(t, 0.0625f), p.y, p.z}; });
+  for (const TimeRange range : {TimeRange{-0x1p60f, 1.0f}, TimeRange{-1e9f, 0.1f}, TimeRange{-3.0f, 0.7f}}) {
+    mesh.time_range = range;
+    const MeshView view = mesh.view();
+    const auto structure = Structure::build({&view, 1});
+    EXPECT_EQ(structure->statistics().steps_kept, 3u);
+    for (const float time : {0.0f, 0.5f * range.end, range.end}) {
+      const Ray ray{{0.05f, 0.02f, 5}, 0, {0, 0, -1}, time, 100};
+      EXPECT_TRUE(structure->occluded(ray)) << range.begin << ", " << time;
+    }
+    const Ray later{{0.05f, 0.02f, 5}, 0, {0, 0, -1}, std::nextafter(range.end, 2.0f), 100};
+    EXPECT_FALSE(structure->occluded(later)) << range.begin;
+  }
+}
+
 TEST(StepReduction, InvalidVerticesInStepsThatAreLeftOutStillCount) {
   TestMesh still = test::soup(10, 1, 4);
   still.positions.resize(5, still.positions[0]);

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "kernels/builder/build_context.h"
 #include "kernels/builder/mesh_parts.h"
 #include "limited.h"
 #include "off_plane.h"
@@ -37,7 +38,8 @@ class Unculled {
     for (const Triangle& triangle : triangles_) {
       Hit hit;
       if (!triangle.leaf->intersect_on(isa, ray, hit)) continue;
-      if (off != nullptr) *off = std::max(*off, triangle.off_plane_of(meshes_[triangle.mesh], ray, hit.t));
+      if (off != nullptr)
+        *off = std::max(*off, triangle.off_plane_of(context_.meshes[triangle.mesh], ray, hit.t));
       if (nearest && hit.t == nearest->t) continue;
       nearest = hit;
       nearest->prim_id = triangle.prim;
@@ -72,13 +74,13 @@ class Unculled {
 
   /// In the parts, and with the steps, that a structure keeps by default.
   void add(const MeshView& given) {
-    const std::size_t first = meshes_.size();
-    add_mesh(meshes_, given, 0, BuildSettings{}.tolerance, memory_);
-    for (std::size_t i = first; i < meshes_.size(); ++i) add_triangles(i);
+    const std::size_t first = context_.meshes.size();
+    add_mesh(context_, given, 0);
+    for (std::size_t i = first; i < context_.meshes.size(); ++i) add_triangles(i);
   }
 
   void add_triangles(std::size_t built) {
-    const BuildMesh& whole_or_part = meshes_[built];
+    const BuildMesh& whole_or_part = context_.meshes[built];
     const MeshView& mesh = whole_or_part.view();
     std::size_t bytes = 0;  // of any triangle at rest
     static constexpr std::array<std::uint32_t, 3> kOwnVertices{0, 1, 2};
@@ -108,8 +110,7 @@ class Unculled {
   }
 
   BuildCallbacks no_callbacks_;
-  BuildMemory memory_{no_callbacks_, kNoLimit};
-  std::vector<BuildMesh> meshes_;
+  BuildContext context_{{}, no_callbacks_};
   std::vector<Triangle> triangles_;
 };
 
