@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cstring>
 #include <new>
-#include <set>
 #include <vector>
 
 #include "builder/binary_tree.h"
@@ -239,17 +238,10 @@ class StructureImpl final : public Structure {
       const auto wanted = static_cast<std::size_t>(tree.wanted_bytes()) + bytes_beside_block(context);
       statistics_.wanted_bytes = std::max(statistics_.structure_bytes, wanted);
     }
-    std::set<std::size_t> kept;  // by the parts of one mesh, which stand behind each other
-    for (std::size_t i = 0; i < context.meshes.size(); ++i) {
-      const BuildMesh& mesh = context.meshes[i];
-      kept.insert(mesh.steps_kept().begin(), mesh.steps_kept().end());
-      if (i + 1 == context.meshes.size() || context.meshes[i + 1].index() != mesh.index()) {
-        statistics_.steps_given += mesh.steps_given();
-        statistics_.steps_kept += kept.size();
-        kept.clear();
-      }
+    statistics_.steps_given = context.steps_given;
+    statistics_.steps_kept = context.steps_kept;
+    for (const BuildMesh& mesh : context.meshes)
       statistics_.max_deviation = std::max(statistics_.max_deviation, mesh.deviation());
-    }
     statistics_.peak_bytes =
         std::max(context.memory.peak(), context.memory.current() + statistics_.structure_bytes);
   }

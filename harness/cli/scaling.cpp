@@ -179,16 +179,11 @@ class ScalingRun {
                                                            : options_.scale.value_or(source_.default_scale);
     Scene scene = options_.over == Over::kSteps ? source_.make_with_steps(scale, options_.seed, value)
                                                 : source_.make(scale, options_.seed);
-    scene = checked(std::move(scene), options_.scene);
-    const auto& [steps, places] = options_.resampling;
-    if (steps > 0) scene = resampled(std::move(scene), steps, places);
-    const double share =
+    const double tolerance =
         options_.over == Over::kTolerance ? std::pow(10, -static_cast<double>(value)) : options_.tolerance;
-    scene.tolerance = static_cast<float>(share * diagonal(scene));
     MemoryBudget budget = options_.max_bytes;
     if (options_.over == Over::kBytes) budget.share = static_cast<double>(value) / 100;
-    scene.max_bytes = bytes_of(budget, scene);
-    return scene;
+    return handed_over(checked(std::move(scene), options_.scene), options_.resampling, tolerance, budget);
   }
 
   void measure(std::size_t value) {

@@ -82,6 +82,15 @@ SceneSource find_source(const std::string& name, const MakingOptions& making) {
   return is_file_name(name) ? file_source(name, making.gltf) : built_in_source(name, making);
 }
 
+/// As Scene::max_bytes.
+std::optional<std::size_t> bytes_of(const MemoryBudget& budget, const Scene& scene) {
+  if (!budget.share) return budget.bytes;
+  if (const std::string why = obstacle("embree", scene); !why.empty())
+    throw UsageError(fmt::format("--max-bytes: embree, of whose bytes it is a share, has none: {}.", why));
+  const std::size_t embrees = build_structure("embree", scene, 0)->build_record().structure_bytes;
+  return static_cast<std::size_t>(*budget.share * static_cast<double>(embrees));
+}
+
 }  // namespace
 
 Scene checked(Scene scene, const std::string& name) {
@@ -100,24 +109,17 @@ void print_warning(const std::string& sentence) {
   fmt::print(stderr, "{}stbvh-ab: {}\n", is_terminal ? "\r\x1b[K" : "", one_line(sentence));
 }
 
-std::optional<std::size_t> bytes_of(const MemoryBudget& budget, const Scene& scene) {
-  if (!budget.share) return budget.bytes;
-  if (const std::string why = obstacle("embree", scene); !why.empty())
-    throw UsageError(fmt::format("--max-bytes: embree, of whose bytes it is a share, has none: {}.", why));
-  const std::size_t embrees = build_structure("embree", scene, 0)->build_record().structure_bytes;
-  return static_cast<std::size_t>(*budget.share * static_cast<double>(embrees));
+Scene handed_over(Scene scene, const Resampling& resampling, double tolerance, const MemoryBudget& budget) {
+  if (resampling.steps > 0) scene = resampled(std::move(scene), resampling.steps, resampling.places);
+  scene.tolerance = static_cast<float>(tolerance * diagonal(scene));
+  scene.max_bytes = bytes_of(budget, scene);
+  return scene;
 }
 
 SceneSource find_scene(const std::string& name, const MakingOptions& making) {
   SceneSource source = find_source(name, making);
-  source.load = [load = std::move(source.load), resampling = making.resampling, share = making.tolerance,
-                 budget = making.max_bytes] {
-    Scene scene = load();
-    if (resampling.steps > 0) scene = resampled(std::move(scene), resampling.steps, resampling.places);
-    scene.tolerance = static_cast<float>(share * diagonal(scene));
-    scene.max_bytes = bytes_of(budget, scene);
-    return scene;
-  };
+  source.load = [load = std::move(source.load), resampling = making.resampling, tolerance = making.tolerance,
+                 budget = making.max_bytes] { return handed_over(load(), resampling, tolerance, budget); };
   return source;
 }
 

@@ -42,7 +42,6 @@ class BuildMesh {
   std::uint32_t prim(std::size_t i) const {
     return prims_ == nullptr ? static_cast<std::uint32_t>(i) : prims_->data()[i];
   }
-  std::size_t steps_given() const { return steps_given_; }
   /// Which of the steps given.
   const std::vector<std::size_t>& steps_kept() const { return kept_; }
   /// How far the motion is off without them, at most; scene units.
@@ -97,7 +96,6 @@ class BuildMesh {
   std::vector<float> times_;             ///< of view_, where the steps are uneven; no denormals
   std::uint32_t index_;
   std::unique_ptr<TemporaryArray<std::uint32_t>> prims_;  ///< null: all
-  std::size_t steps_given_;
   std::vector<std::size_t> kept_;
   double deviation_ = 0.0;
   TimeGrid grid_;
