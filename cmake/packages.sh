@@ -1,7 +1,7 @@
 # Shell functions that harness/run, tests/run and .ci/run share; to be sourced by bash.
 
 # What the build needs beyond Debian 12's base system, and what the tests and CI need besides.
-build_packages=(cmake ninja-build g++ git libembree-dev libtbb-dev libfmt-dev libpng-dev libopenexr-dev
+build_packages=(cmake ninja-build g++ git libembree-dev libtbb-dev libxxhash-dev libfmt-dev libpng-dev libopenexr-dev
   libosd-dev nlohmann-json3-dev libcli11-dev libgmp-dev libbenchmark-dev libpugixml-dev libglfw3-dev libimgui-dev
   libgl-dev pkgconf)
 test_packages=(libgtest-dev embree-tools pkgconf python3 xvfb libgl1-mesa-dri libx11-dev)

@@ -1,63 +1,28 @@
 #include "stbvh/structure.h"
 
-#include <sys/mman.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
 #include <algorithm>
 #include <cstring>
-#include <new>
+#include <utility>
 #include <vector>
 
 #include "builder/binary_tree.h"
 #include "builder/collapse.h"
 #include "builder/encoder.h"
+#include "builder/merged_bounds.h"
 #include "builder/mesh_parts.h"
 #include "builder/step_bounds.h"
+#include "layout/node_slots.h"
 #include "layout/node_walk.h"
+#include "stored_tree.h"
 #include "traverse/kernel_table.h"
+#include "tree_update.h"
 
 namespace stbvh {
 
 namespace {
-
-/// The block that nodes and leaves live in, from the caller's allocator or our own.
-class Block {
- public:
-  Block(const BuildCallbacks& callbacks, std::size_t bytes) : release_(callbacks.release), bytes_(bytes) {
-    if (bytes == 0) return;
-    if (callbacks.allocate) {
-      data_ = static_cast<std::byte*>(callbacks.allocate(bytes));
-    } else {
-      data_ = static_cast<std::byte*>(::operator new(bytes, kAlignment));
-      release_ = [](void* data, std::size_t) { ::operator delete(data, kAlignment); };
-    }
-    advise_huge_pages();
-  }
-  ~Block() {
-    if (data_ != nullptr && release_) release_(data_, bytes_);
-  }
-  Block(const Block&) = delete;
-  Block& operator=(const Block&) = delete;
-
-  std::byte* data() const { return data_; }
-  std::size_t bytes() const { return bytes_; }
-
- private:
-  /// Traversal jumps through the whole block: fewer, larger pages spare it most misses of the TLB. Advice
-  /// only.
-  void advise_huge_pages() {
-    constexpr std::uintptr_t page = 2u << 20;
-    const std::uintptr_t begin = (reinterpret_cast<std::uintptr_t>(data_) + page - 1) / page * page;
-    const std::uintptr_t end = (reinterpret_cast<std::uintptr_t>(data_) + bytes_) / page * page;
-    if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
-  }
-
-  static constexpr std::align_val_t kAlignment{64};
-  std::function<void(void*, std::size_t)> release_;
-  std::size_t bytes_;
-  std::byte* data_ = nullptr;
-};
 
 /// Rays from one point, such as a camera's, meet the same nodes one after another.
 bool come_from_one_point(const RayBatch& batch) {
@@ -78,53 +43,75 @@ void one_by_one(const RayBatch& batch, const Trace& trace) {
   }
 }
 
-/// Linear bounds of one child of the root.
-struct RootBounds {
-  LinearBounds bounds;
-  ClosedTimeRange range;
-};
+std::vector<std::uint32_t> entered(MeshTable& table, const BuildContext& context, const BinaryTree& tree) {
+  std::vector<std::uint32_t> records;
+  for (std::size_t i = 0; i < context.meshes.size(); ++i) records.push_back(table.add(context, tree, i));
+  return records;
+}
 
-std::vector<RootBounds> root_bounds(const BinaryNode* root) {
+/// Without the rounding of the root's planes.
+std::vector<TimedBounds> root_children(const BinaryTree& tree) {
+  const BinaryNode* const root = tree.root();
   if (root == nullptr) return {};
   if (root->is_leaf()) return {{root->bounds(), root->range}};
   const WideChildren<const BinaryNode> children = wide_children(as_inner(*root));
-  std::vector<RootBounds> bounds;
+  std::vector<TimedBounds> bounds;
   for (const BinaryNode* child : children.span()) bounds.push_back({child->bounds(), child->range});
   return bounds;
+}
+
+/// On its own: not cancelled with tasks of the caller, and not interrupted by them while it waits.
+template <typename Work>
+void isolated(const Work& work) {
+  tbb::task_group_context context(tbb::task_group_context::isolated);
+  tbb::task_group group(context);
+  group.run_and_wait([&] { tbb::this_task_arena::isolate(work); });
 }
 
 class StructureImpl final : public Structure {
  public:
   StructureImpl(BuildContext& context, const BuildCallbacks& callbacks, const BinaryTree& tree,
                 const Encoder& encoder)
-      : precision_(context.settings.precision),
-        kernels_(kernel_table(default_isa(), precision_)),
-        block_(callbacks, encoder.bytes()),
-        root_bounds_(root_bounds(tree.root())) {
-    make_mesh_table(context);
-    view_.data = block_.data();
-    view_.meshes = mesh_records_.data();
-    view_.empty = tree.root() == nullptr;
-    view_.time_begin = tree.range().begin;
-    view_.time_last = tree.range().last;
-    view_.root = view_.empty ? 0 : encoder.encode(block_.data());
-    Box4 all = Box4::empty();
-    for (const RootBounds& child : root_bounds_) all.extend(united(child.bounds.begin, child.bounds.end));
-    for (int axis = 0; axis < 3; ++axis) {
-      view_.lower[axis] = all.lower[axis];
-      view_.upper[axis] = all.upper[axis];
+      : kernels_(kernel_table(default_isa(), context.settings.precision)),
+        tree_(context.settings, callbacks, encoder.bytes()) {
+    const std::vector<std::uint32_t> records = entered(tree_.meshes, context, tree);
+    tree_.is_empty = tree.root() == nullptr;
+    if (!tree_.is_empty) {
+      const Link root = encoder.encode(tree_.block.data(), 0, records);
+      tree_.root = make_slot({tree.root()->bounds(), tree.range(), root});
     }
-    make_statistics(context, tree, encoder);
+    tree_.root.range = tree.range();
+    tree_.counts = encoder.counts();
+    tree_.usual_area = tree_.counts.expected_area;
+    tree_.temporal_splits = tree.temporal_splits();
+    tree_.indexed_leaf_bytes =
+        encoder.leaf_bytes() - static_cast<std::size_t>(tree_.counts.leaf_units) * kUnitBytes;
+    show(stbvh::root_children(tree));
+    make_statistics(std::max(context.memory.peak(), context.memory.current() + tree_.bytes()));
+    const bool is_limited = context.price.may_index || statistics_.indexed_leaves > 0;
+    if (is_limited) {
+      const auto wanted = static_cast<std::size_t>(tree.wanted_bytes()) + bytes_beside_block(context);
+      statistics_.wanted_bytes = std::max(statistics_.structure_bytes, wanted);
+    }
   }
 
   /// What a structure takes without its nodes and leaves.
   static std::size_t bytes_beside_block(const BuildContext& context) {
-    std::size_t bytes = sizeof(StructureImpl) + context.meshes.size() * sizeof(MeshRecord);
-    for (const BuildMesh& mesh : context.meshes) {
-      bytes +=
-          mesh.view().steps.size() * sizeof(VertexBufferView) + mesh.view().step_times.size() * sizeof(float);
-    }
-    return bytes;
+    return sizeof(StructureImpl) + MeshTable::bytes_of(context.meshes);
+  }
+
+  std::optional<UpdateStatistics> update(std::span<const MeshView> meshes,
+                                         std::span<const MeshUpdate> updates,
+                                         const BuildCallbacks& callbacks) override {
+    std::size_t peak_bytes = 0;
+    std::optional<UpdateStatistics> result;
+    isolated([&] { result = update_tree(tree_, meshes, updates, callbacks, peak_bytes); });
+    if (!result) return result;
+    const std::size_t usual = statistics_.wanted_bytes;
+    show(root_children());
+    make_statistics(peak_bytes);
+    statistics_.wanted_bytes = std::max(statistics_.structure_bytes, usual);
+    return result;
   }
 
   bool intersect(const Ray& ray, Hit& hit, const HitFilter* filter) const override {
@@ -136,12 +123,12 @@ class StructureImpl final : public Structure {
                              : kernels_.occluded_filtered(view_, ray, *filter);
   }
   bool intersect_on(Isa isa, const Ray& ray, Hit& hit, const HitFilter* filter) const override {
-    const KernelTable& kernels = kernel_table(isa, precision_);
+    const KernelTable& kernels = kernel_table(isa, tree_.settings.precision);
     return filter == nullptr ? kernels.intersect(view_, ray, hit)
                              : kernels.intersect_filtered(view_, ray, hit, *filter);
   }
   bool occluded_on(Isa isa, const Ray& ray, const HitFilter* filter) const override {
-    const KernelTable& kernels = kernel_table(isa, precision_);
+    const KernelTable& kernels = kernel_table(isa, tree_.settings.precision);
     return filter == nullptr ? kernels.occluded(view_, ray) : kernels.occluded_filtered(view_, ray, *filter);
   }
   void intersect(const RayBatch& batch) const override {
@@ -153,10 +140,10 @@ class StructureImpl final : public Structure {
     one_by_one(batch, [&](const Ray& ray, Hit&) { return occluded(ray, batch.filter); });
   }
   void intersect_on(Isa isa, const RayBatch& batch) const override {
-    kernel_table(isa, precision_).intersect_in_flight(view_, batch);
+    kernel_table(isa, tree_.settings.precision).intersect_in_flight(view_, batch);
   }
   void occluded_on(Isa isa, const RayBatch& batch) const override {
-    kernel_table(isa, precision_).occluded_in_flight(view_, batch);
+    kernel_table(isa, tree_.settings.precision).occluded_in_flight(view_, batch);
   }
   bool intersect_counted(const Ray& ray, Hit& hit, TraversalCounters& counters) const override {
     return kernels_.intersect_counted(view_, ray, hit, counters);
@@ -167,7 +154,7 @@ class StructureImpl final : public Structure {
 
   Box3f bounds_at(float time) const override {
     Box4 box = Box4::empty();
-    for (const RootBounds& child : root_bounds_) {
+    for (const TimedBounds& child : root_children_) {
       if (!(time >= child.range.begin && time <= child.range.last)) continue;
       const float length = child.range.length();
       const float f = length > 0.0f ? (time - child.range.begin) / length : 0.0f;
@@ -190,9 +177,9 @@ class StructureImpl final : public Structure {
 
   std::uint64_t tree_hash() const override {
     std::uint64_t hash = 0xcbf29ce484222325u ^ view_.root;
-    for (std::size_t i = 0; i < block_.bytes(); i += sizeof(std::uint64_t)) {
+    for (std::size_t i = 0; i < tree_.space.end() * kUnitBytes; i += sizeof(std::uint64_t)) {
       std::uint64_t word;
-      std::memcpy(&word, block_.data() + i, sizeof word);
+      std::memcpy(&word, tree_.block.data() + i, sizeof word);
       hash = (hash ^ word) * 0x9E3779B97F4A7C15u;
       hash ^= hash >> 29;
     }
@@ -203,56 +190,51 @@ class StructureImpl final : public Structure {
   /// Else rays in flight only cost: a seventh where a tree stays in the caches (docs/performance.md).
   bool waits_for_memory(const RayBatch& batch) const {
     constexpr std::size_t kCached = 2u << 20;
-    return block_.bytes() > kCached && batch.count > 1 && !come_from_one_point(batch);
+    return tree_.block.bytes() > kCached && batch.count > 1 && !come_from_one_point(batch);
   }
 
-  void make_mesh_table(const BuildContext& context) {
-    std::size_t steps = 0, times = 0;
-    for (const BuildMesh& mesh : context.meshes) {
-      steps += mesh.view().steps.size();
-      times += mesh.view().step_times.size();
-    }
-    step_views_.reserve(steps);
-    step_times_.reserve(times);
-    for (const BuildMesh& mesh : context.meshes) {
-      const MeshView& view = mesh.view();
-      const VertexBufferView* first = step_views_.data() + step_views_.size();
-      const float* first_time = step_times_.data() + step_times_.size();
-      step_views_.insert(step_views_.end(), view.steps.begin(), view.steps.end());
-      step_times_.insert(step_times_.end(), view.step_times.begin(), view.step_times.end());
-      mesh_records_.push_back({mesh.grid(), view.mask, view.geom_id, first, view.indices, view.index_stride,
-                               first_time, mesh.index()});
+  /// Makes the tree what rays are traced through.
+  void show(std::vector<TimedBounds> root_children) {
+    root_children_ = std::move(root_children);
+    view_ = {};
+    view_.data = tree_.block.data();
+    view_.meshes = tree_.meshes.records();
+    view_.root = tree_.root.link;
+    view_.empty = tree_.is_empty;
+    view_.time_begin = tree_.root.range.begin;
+    view_.time_last = tree_.root.range.last;
+    Box4 all = Box4::empty();
+    for (const TimedBounds& child : root_children_) all.extend(united(child.bounds.begin, child.bounds.end));
+    for (int axis = 0; axis < 3; ++axis) {
+      view_.lower[axis] = all.lower[axis];
+      view_.upper[axis] = all.upper[axis];
     }
   }
 
-  void make_statistics(const BuildContext& context, const BinaryTree& tree, const Encoder& encoder) {
-    statistics_.triangles = tree.live_triangles();
-    statistics_.invalid_triangles = tree.invalid_triangles();
-    statistics_.primitive_segments = tree.primitive_segments();
-    statistics_.temporal_splits = tree.temporal_splits();
-    encoder.add_statistics(statistics_);
-    statistics_.structure_bytes = block_.bytes() + bytes_beside_block(context);
-    const bool is_limited = context.price.may_index || statistics_.indexed_leaves > 0;
+  std::vector<TimedBounds> root_children() const {
+    const auto& [planes, slopes, link, range] = tree_.root;
+    if (kind_of(link) == LinkKind::kLeaf) return {{tree_.root.bounds(), range}};
+    const NodeSlots node = read_node(kind_of(link), tree_.block.data() + unit_of(link) * kUnitBytes, range);
+    std::vector<TimedBounds> children;
+    for (const NodeSlot& child : node.used()) children.push_back({child.bounds(), child.range});
+    return children;
+  }
+
+  void make_statistics(std::size_t peak_bytes) {
+    statistics_ = {};
+    tree_.counts.enter_in(statistics_);
+    statistics_.leaf_bytes =
+        static_cast<std::size_t>(tree_.counts.leaf_units) * kUnitBytes + tree_.indexed_leaf_bytes;
+    statistics_.temporal_splits = tree_.temporal_splits;
+    statistics_.structure_bytes = sizeof(StructureImpl) + tree_.bytes();
     statistics_.wanted_bytes = statistics_.structure_bytes;
-    if (is_limited) {
-      const auto wanted = static_cast<std::size_t>(tree.wanted_bytes()) + bytes_beside_block(context);
-      statistics_.wanted_bytes = std::max(statistics_.structure_bytes, wanted);
-    }
-    statistics_.steps_given = context.steps_given;
-    statistics_.steps_kept = context.steps_kept;
-    for (const BuildMesh& mesh : context.meshes)
-      statistics_.max_deviation = std::max(statistics_.max_deviation, mesh.deviation());
-    statistics_.peak_bytes =
-        std::max(context.memory.peak(), context.memory.current() + statistics_.structure_bytes);
+    statistics_.peak_bytes = peak_bytes;
+    tree_.meshes.enter_in(statistics_);
   }
 
-  Precision precision_;
   const KernelTable& kernels_;
-  Block block_;
-  std::vector<MeshRecord> mesh_records_;
-  std::vector<VertexBufferView> step_views_;
-  std::vector<float> step_times_;
-  std::vector<RootBounds> root_bounds_;
+  StoredTree tree_;
+  std::vector<TimedBounds> root_children_;
   StructureView view_{};
   BuildStatistics statistics_;
 };
@@ -344,11 +326,8 @@ std::unique_ptr<Structure> Structure::build(std::span<const MeshView> meshes, co
     structure = std::make_unique<StructureImpl>(context, callbacks, tree, encoder);
     context.progress.finish();
   };
-  // On its own: not cancelled with tasks of the caller, and not interrupted by them while it waits.
-  tbb::task_group_context isolated(tbb::task_group_context::isolated);
-  tbb::task_group group(isolated);
   try {
-    group.run_and_wait([&] { tbb::this_task_arena::isolate(build_here); });
+    isolated(build_here);
   } catch (const BuildMemory::LimitReached&) {
     throw over_limit(settings, 0);
   }

@@ -277,8 +277,9 @@ void stbvhOccludedN(StbvhGeometry geometry, RTCIntersectContext* context, RTCRay
 RTCError stbvhGetStatistics(StbvhGeometry geometry, StbvhStatistics* statistics) {
   return guarded(geometry, [&](stbvh::plugin::Geometry& g) {
     require(statistics, "statistics");
-    const stbvh::BuildStatistics* const built = g.statistics();
-    const stbvh::BuildStatistics values = built == nullptr ? stbvh::BuildStatistics{} : *built;
+    const stbvh::plugin::CommitReport* const report = g.report();
+    const stbvh::BuildStatistics values = report == nullptr ? stbvh::BuildStatistics{} : report->tree;
+    const stbvh::UpdateStatistics update = report == nullptr ? stbvh::UpdateStatistics{} : report->update;
     const StbvhStatistics result{.byteSize = sizeof(StbvhStatistics),
                                  .triangles = values.triangles,
                                  .invalidTriangles = values.invalid_triangles,
@@ -290,7 +291,14 @@ RTCError stbvhGetStatistics(StbvhGeometry geometry, StbvhStatistics* statistics)
                                  .maxDeviation = values.max_deviation,
                                  .wantedBytes = values.wanted_bytes,
                                  .leaves = values.inline_leaves + values.indexed_leaves,
-                                 .indexedLeaves = values.indexed_leaves};
+                                 .indexedLeaves = values.indexed_leaves,
+                                 .isUpdate = report != nullptr && report->is_update ? 1u : 0u,
+                                 .meshesRefitted = update.meshes_refitted,
+                                 .meshesBuilt = update.meshes_built,
+                                 .meshesRemoved = update.meshes_removed,
+                                 .leavesRefitted = update.leaves_refitted,
+                                 .expectedCost = report == nullptr ? 0.0 : update.expected_cost,
+                                 .commitSeconds = report == nullptr ? 0.0 : report->seconds};
     stbvh::plugin::write_versioned(statistics, result, kFirstStatisticsSize, "statistics");
   });
 }

@@ -1,5 +1,7 @@
 #include "plugin/geometry.h"
 
+#include <algorithm>
+#include <chrono>
 #include <new>
 #include <string>
 #include <utility>
@@ -72,12 +74,30 @@ void Geometry::set_progress(RTCProgressMonitorFunction progress, void* user_ptr)
 }
 
 void Geometry::commit() {
+  const auto start = std::chrono::steady_clock::now();
+  std::shared_ptr<Structure> structure;
+  if (user_geometry_.published() != nullptr) structure = user_geometry_.published()->structure;
   user_geometry_.publish(nullptr);
+  report_.reset();
   default_mesh_ = find_default_mesh(meshes_);
+  const EmbreeLayout layout = embree_layout();
+  if (!layout.hits) {
+    throw ApiError(
+        RTC_ERROR_INVALID_OPERATION,
+        "hits of this Embree are laid out otherwise than those of the one this library was built with");
+  }
+  auto published = std::make_shared<Published>();
+  published->runs_query_filters = layout.options_behind_arguments;
+  std::vector<MeshView> views;
+  for (const MeshDescription& mesh : meshes_) {
+    views.push_back(mesh.view());
+    published->add(published_mesh(mesh), views.back().mask);
+  }
   TemporaryMemory temporary_memory(device_.get());
-  std::shared_ptr<const Published> published;
+  Committed now{settings_, fingerprints_of(views), {}};
+  CommitReport report;
   try {
-    published = build(temporary_memory);
+    structure = make_structure(std::move(structure), now, views, build_callbacks(temporary_memory), report);
   } catch (const BuildCancelled&) {
     if (temporary_memory.refused()) throw std::bad_alloc();
     throw ApiError(RTC_ERROR_CANCELLED, "the progress function cancelled the build");
@@ -86,7 +106,46 @@ void Geometry::commit() {
   } catch (const InvalidMesh& error) {
     throw ApiError(RTC_ERROR_INVALID_ARGUMENT, error.what());
   }
+  std::vector<MeshMotion> motions;
+  for (const std::vector<MeshMotion>& of_mesh : now.motions)
+    motions.insert(motions.end(), of_mesh.begin(), of_mesh.end());
+  published->grid = fit_motion_grid(motions);
+  published->structure = std::move(structure);
+  committed_ = std::move(now);
   user_geometry_.publish(std::move(published));
+  report.tree = user_geometry_.published()->structure->statistics();
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report_ = report;
+}
+
+std::shared_ptr<Structure> Geometry::make_structure(std::shared_ptr<Structure> old, Committed& now,
+                                                    std::span<const MeshView> views, BuildCallbacks callbacks,
+                                                    CommitReport& report) {
+  now.motions = std::move(committed_.motions);
+  now.motions.resize(views.size());
+  std::vector<MeshUpdate> updates(views.size());
+  for (std::size_t i = 0; i < std::min(views.size(), committed_.fingerprints.size()); ++i)
+    updates[i] = {i, change_between(committed_.fingerprints[i], now.fingerprints[i])};
+  const auto forget_motions = [&](bool all) {
+    for (std::size_t i = 0; i < views.size(); ++i) {
+      if (all || updates[i].change != MeshChange::kNothing) now.motions[i].clear();
+    }
+  };
+  callbacks.step_bounds = [&](std::size_t mesh, std::vector<Box3f> boxes, std::span<const float> times) {
+    now.motions[mesh].push_back({std::move(boxes), views[mesh].time_range, {times.begin(), times.end()}});
+  };
+  if (old != nullptr && committed_.settings == now.settings) {
+    forget_motions(false);
+    if (const auto update = old->update(views, updates, callbacks)) {
+      report.update = *update;
+      report.is_update = true;
+      return old;
+    }
+  }
+  old.reset();  // there is never memory for two
+  forget_motions(true);
+  report.update.meshes_built = views.size();
+  return Structure::build(views, now.settings, callbacks);
 }
 
 BuildCallbacks Geometry::build_callbacks(TemporaryMemory& temporary_memory) const {
@@ -99,40 +158,14 @@ BuildCallbacks Geometry::build_callbacks(TemporaryMemory& temporary_memory) cons
     return temporary_memory.report(bytes);
   };
   if (progress_ != nullptr) {
-    callbacks.progress = [progress = progress_, user_ptr = progress_user_ptr_](double fraction) {
-      return progress(user_ptr, fraction);
+    // An update that is given up is followed by a build: what was done stays done.
+    callbacks.progress = [progress = progress_, user_ptr = progress_user_ptr_,
+                          done = 0.0](double fraction) mutable {
+      done = std::max(done, fraction);
+      return progress(user_ptr, done);
     };
   }
   return callbacks;
-}
-
-std::shared_ptr<const Published> Geometry::build(TemporaryMemory& temporary_memory) const {
-  const EmbreeLayout layout = embree_layout();
-  if (!layout.hits) {
-    throw ApiError(
-        RTC_ERROR_INVALID_OPERATION,
-        "hits of this Embree are laid out otherwise than those of the one this library was built with");
-  }
-  auto published = std::make_shared<Published>();
-  published->runs_query_filters = layout.options_behind_arguments;
-  std::vector<MeshView> views;
-  std::vector<MeshMotion> motions;
-  for (const MeshDescription& mesh : meshes_) {
-    views.push_back(mesh.view());
-    published->add(published_mesh(mesh), views.back().mask);
-  }
-  BuildCallbacks callbacks = build_callbacks(temporary_memory);
-  callbacks.step_bounds = [&](std::size_t mesh, std::vector<Box3f> boxes, std::span<const float> times) {
-    motions.push_back({std::move(boxes), views[mesh].time_range, {times.begin(), times.end()}});
-  };
-  published->structure = Structure::build(views, settings_, callbacks);
-  published->grid = fit_motion_grid(motions);
-  return published;
-}
-
-const BuildStatistics* Geometry::statistics() const {
-  const Published* const published = user_geometry_.published();
-  return published == nullptr ? nullptr : &published->structure->statistics();
 }
 
 }  // namespace stbvh::plugin

@@ -2,16 +2,27 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <span>
 #include <type_traits>
 #include <vector>
 
 #include "plugin/linked_embree.h"
 #include "plugin/mesh_description.h"
+#include "plugin/mesh_fingerprint.h"
 #include "plugin/user_geometry.h"
 
 namespace stbvh::plugin {
 
 class TemporaryMemory;
+
+/// What a commit did, and what that cost.
+struct CommitReport {
+  BuildStatistics tree;
+  UpdateStatistics update;  ///< of a tree built anew: of all meshes
+  bool is_update = false;
+  double seconds = 0.0;
+};
 
 /// Errors are thrown: ApiError, or std::bad_alloc.
 class Geometry {
@@ -31,11 +42,12 @@ class Geometry {
   void set_tolerance(float tolerance);
   void set_progress(RTCProgressMonitorFunction progress, void* user_ptr);
 
-  /// Builds the tree and commits the RTCGeometry. On an exception the geometry is empty, and committed so.
+  /// Builds the tree, or changes it where meshes have changed, and commits the RTCGeometry. On an exception
+  /// the geometry is empty, and committed so.
   void commit();
 
-  /// Of the tree in use, or null.
-  const BuildStatistics* statistics() const;
+  /// What the last commit did, or null after one that failed.
+  const CommitReport* report() const { return report_ ? &*report_ : nullptr; }
 
   /// What the last commit built, or null.
   const Published* published() const { return user_geometry_.published(); }
@@ -43,7 +55,16 @@ class Geometry {
   unsigned default_mesh() const { return default_mesh_; }
 
  private:
-  std::shared_ptr<const Published> build(TemporaryMemory& temporary_memory) const;
+  /// What commit() needs to know of the meshes, and keeps for the next.
+  struct Committed {
+    BuildSettings settings;
+    std::vector<MeshFingerprint> fingerprints;
+    std::vector<std::vector<MeshMotion>> motions;  ///< of each mesh, by parts
+  };
+
+  std::shared_ptr<Structure> make_structure(std::shared_ptr<Structure> old, Committed& now,
+                                            std::span<const MeshView> views, BuildCallbacks callbacks,
+                                            CommitReport& report);
   BuildCallbacks build_callbacks(TemporaryMemory& temporary_memory) const;
 
   struct ReleaseDevice {
@@ -54,6 +75,8 @@ class Geometry {
   UserGeometry<linked_embree> user_geometry_;
   std::vector<MeshDescription> meshes_;
   BuildSettings settings_;
+  Committed committed_;  ///< of what is published
+  std::optional<CommitReport> report_;
   RTCProgressMonitorFunction progress_ = nullptr;
   void* progress_user_ptr_ = nullptr;
   unsigned default_mesh_ = RTC_INVALID_GEOMETRY_ID;

@@ -31,7 +31,7 @@ struct Published {
   /// What filters are given for a mesh's user_ptr, asked once for each hit that they see; null: the pointer.
   void* (*filter_user_ptr)(void* user_ptr) = nullptr;
   MotionGrid grid{{0.0f, 1.0f}, {Box3f::empty()}};
-  std::unique_ptr<Structure> structure;
+  std::shared_ptr<Structure> structure;  ///< the next may show it too, changed
 
   void add(const PublishedMesh& mesh, unsigned mesh_mask) {
     meshes.push_back(mesh);

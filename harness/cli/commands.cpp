@@ -64,6 +64,8 @@ constexpr Command kCommands[] = {
     {"scaling", scaling_command,
      "Bytes, build time and speed of each structure as a scene grows in steps or triangles, or "
      "with threads"},
+    {"edits", edits_command,
+     "What a change of the scene costs: commit time and speed after random edits, against building anew"},
     {"charts", charts_command,
      "Draw the records of bench and scaling: speed, bytes, build time (needs python3-matplotlib)"},
     {"results", results_command,

@@ -34,7 +34,9 @@ Work hard_command(CLI::App& app);
 Work pareto_command(CLI::App& app);
 /// Ends with a table of all structures and values.
 Work scaling_command(CLI::App& app);
-/// Draws the records of bench and scaling; prints the files' names. Throws ScriptFailure.
+/// Throws WrongAnswers as `error` does, where an updated structure answers otherwise than one built anew.
+Work edits_command(CLI::App& app);
+/// Draws the records of bench, scaling and edits; prints the files' names. Throws ScriptFailure.
 Work charts_command(CLI::App& app);
 /// Writes a page of the records of several machines. Throws ScriptFailure.
 Work results_command(CLI::App& app);

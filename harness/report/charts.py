@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Charts of the records that `stbvh-ab bench` and `stbvh-ab scaling` write.
+"""Charts of the records that `stbvh-ab bench`, `scaling` and `edits` write.
 
 charts.py RECORDS.json... -o DIR [--structures NAME,...] [--format svg|png]
 
-Speed in each scene and over all, bytes, build time; scaling over steps, triangles, threads, bytes and tolerance:
+Speed in each scene and over all, bytes, build time; scaling over steps, triangles, threads, bytes and tolerance; edits:
 whatever the records hold. The functions that draw take records and return a figure; charts() says which file each goes to.
 Prints the files' names.
 """
@@ -16,7 +16,7 @@ from chart_tools import finish, log_scale, plt, save, styles, whiskers
 from record_files import check_distinct, distinct, fail, grouped, make_folder, read_records, run
 
 REFERENCE = "embree"
-KINDS = ("build", "speed", "summary", "scaling", "truth")  # of records that are drawn here
+KINDS = ("build", "speed", "summary", "scaling", "edit", "truth")  # of records that are drawn here
 PANELS_ABREAST = 3
 PANEL_WIDTH = 3.6  # inches, beside the names
 NAME_WIDTH = 1.5
@@ -238,6 +238,38 @@ def draw_budgets(records):
     return figure
 
 
+def draw_edits(records):
+    """Records of kind "edit" of one scene: what each commit took, and how fast rays are after it."""
+    structures = names(records)
+    style = styles(structures)
+    legend_height = legend_height_of(structures)
+    figure, panels = plt.subplots(1, 2, figsize=(10, 3.6 + legend_height), squeeze=False)
+    commits, speeds = panels.flat
+    for structure in structures:
+        shown = sorted((r for r in records if r["structure"] == structure), key=lambda r: r["edit"])
+        commits.plot([r["edit"] for r in shown], [1e3 * r["commit_s"] for r in shown], label=structure, linewidth=0.6,
+                     markersize=2.5, **style[structure])
+        anew = [r for r in shown if r["rebuild_s"] > 0]
+        commits.plot([r["edit"] for r in anew], [1e3 * r["rebuild_s"] for r in anew], linewidth=0.8, linestyle=":",
+                     color=style[structure]["color"])
+        traced = [r for r in shown if "speed_to_rebuilt" in r]
+        speeds.errorbar([r["edit"] for r in traced], [r["speed_to_rebuilt"] for r in traced],
+                        yerr=whiskers(traced, "speed_to_rebuilt"), linewidth=0.8, markersize=3, elinewidth=0.6,
+                        capsize=1.5, **style[structure])
+    log_scale(commits)
+    commits.set_ylabel("commit, ms")
+    speeds.axhline(1, color="black", linewidth=0.5)
+    speeds.set_ylim(bottom=0)
+    speeds.set_ylabel("rays per second, times those of a structure built anew")
+    for axes in panels.flat:
+        axes.set_xlabel("edit")
+        axes.grid(linewidth=0.3)
+    draw_legend(figure, panels)
+    finish(figure, records, f'{records[0]["scene"]}: what changes cost',
+           "dotted: the structure built anew; whiskers: least and largest of the repeats", legend_height)
+    return figure
+
+
 def draw_truth(records):
     """Records of kind "truth": RMSE against the samples, beside the line of pure noise."""
     shown = sorted(records, key=lambda r: r["samples_per_pixel"])
@@ -273,6 +305,8 @@ def charts(records):
     for (over, scene), group in grouped(kinds["scaling"], "over", "scene").items():
         draw = draw_budgets if over == "bytes" else draw_scaling
         yield f"scaling-{over}-{scene}", lambda group=group, draw=draw: draw(group)
+    for (scene,), group in grouped(kinds["edit"], "scene").items():
+        yield f"edits-{scene}", lambda group=group: draw_edits(group)
     if kinds["truth"]:
         yield "truth", lambda: draw_truth(kinds["truth"])
 
@@ -310,7 +344,7 @@ def main():
         print(path, flush=True)
         drawn += 1
     if drawn == 0:
-        fail("There is nothing to draw: no records of bench with embree among the structures, nor of scaling.")
+        fail("There is nothing to draw: no records of bench with embree among the structures, nor of scaling or edits.")
 
 
 if __name__ == "__main__":

@@ -164,6 +164,28 @@ Json to_record(const ScalingResult& r) {
   return record;
 }
 
+Json to_record(const EditResult& r) {
+  Json record = {{"kind", "edit"},
+                 {"scene", r.scene},
+                 {"structure", r.structure},
+                 {"edit", r.edit},
+                 {"what", r.what},
+                 {"triangles", r.triangles},
+                 {"changed_share", r.changed_share},
+                 {"threads", r.threads},
+                 {"commit_s", r.commit_s},
+                 {"rebuild_s", r.rebuild_s},
+                 {"rays", r.rays.empty() ? Json() : Json(r.rays)},
+                 {"traced", r.traced},
+                 {"differing", r.differing}};
+  if (r.speed) {
+    record["speed_to_rebuilt"] = r.speed->median;
+    record["speed_to_rebuilt_min"] = r.speed->min;
+    record["speed_to_rebuilt_max"] = r.speed->max;
+  }
+  return record;
+}
+
 Json to_figures(const Comparison& c) {
   Json worst = Json::array();
   for (const PixelDifference& d : c.worst) {
@@ -243,6 +265,7 @@ std::string to_json(const Report& report, const Machine& machine, const std::str
   for (const ParetoResult& r : report.paretos) records.push_back(to_record(r));
   for (const SummaryResult& r : report.summaries) records.push_back(to_record(r));
   for (const ScalingResult& r : report.scalings) records.push_back(to_record(r));
+  for (const EditResult& r : report.edits) records.push_back(to_record(r));
   for (const CompareResult& r : report.compares) records.push_back(to_record(r));
   for (const RenderResult& r : report.renders) records.push_back(to_record(r));
   for (const TruthResult& r : report.truths) records.push_back(to_record(r));

@@ -144,6 +144,23 @@ struct ScalingResult {
   std::vector<SpeedResult> speeds{};  ///< of each kind of rays; none over triangles
 };
 
+/// A structure after an edit of its scene.
+struct EditResult {
+  std::string scene;
+  std::string structure;      ///< that was updated; it is held against the same one built anew
+  std::size_t edit = 0;       ///< the first is 1
+  std::string what;           ///< kind of the edit
+  std::size_t triangles = 0;  ///< of the scene
+  double changed_share = 0;   ///< of them, of the meshes that were edited
+  unsigned threads = 0;
+  double commit_s = 0;
+  double rebuild_s = 0;  ///< of the structure built anew; 0: it was not
+  std::string rays{};    ///< kind; empty: none were traced
+  std::size_t traced = 0;
+  std::size_t differing = 0;      ///< answered otherwise by the structure built anew; ours alone
+  std::optional<Spread> speed{};  ///< relative to the structure built anew
+};
+
 /// A structure against a reference over all scenes of a run that hold both.
 struct SummaryResult {
   std::string structure;
@@ -210,6 +227,7 @@ struct Report {
   std::vector<ParetoResult> paretos;
   std::vector<SummaryResult> summaries;
   std::vector<ScalingResult> scalings;
+  std::vector<EditResult> edits;
   std::vector<CompareResult> compares;
   std::vector<RenderResult> renders;
   std::vector<TruthResult> truths;

@@ -41,6 +41,9 @@ std::string pareto_table(const std::vector<ParetoResult>& points);
 /// One line for each structure and value of a scaling run.
 std::string scaling_table(const std::vector<ScalingResult>& results);
 
+/// Commits and speed of each structure by kind of edit.
+std::string edits_table(const std::vector<EditResult>& results);
+
 /// All scenes of a run: a block for each thread count, kind of rays and two references, then one for each
 /// reference with bytes and build time. Empty if `results` is.
 std::string summary_table(const std::vector<SummaryResult>& results);

@@ -11,10 +11,34 @@ EmbreeStructure::EmbreeStructure(const Scene& scene, std::string_view device_opt
   const BuildMeter meter(threads);
   scene_ = new_triangle_scene(device_, scene, flags, progress);
   record_.build_s = meter.seconds();
+  for (const Mesh& mesh : scene.meshes) is_attached_.push_back(mesh.triangle_count() > 0);
   record_.steps_kept = scene.step_count();
   record_.structure_bytes = record_.monitor_bytes = device_.memory().current_bytes();
   record_.peak_bytes = device_.memory().peak_bytes();
   record_.resident_bytes = meter.resident_growth();
+}
+
+void EmbreeStructure::update(const Scene& scene, std::span<const MeshEdit> edits) {
+  for (const auto& [index, extent] : edits) {
+    const auto id = static_cast<unsigned>(index);
+    const Mesh& mesh = scene.meshes[index];
+    if (extent == MeshEdit::Extent::kEverything) {
+      if (is_attached_[index]) rtcDetachGeometry(scene_.get(), id);
+      is_attached_[index] = mesh.triangle_count() > 0;
+      if (!is_attached_[index]) continue;
+      const GeometryPtr geometry =
+          new_triangle_geometry(device_, mesh, 0, mesh.steps.size(), mesh.time_range);
+      rtcAttachGeometryByID(scene_.get(), geometry.get(), id);
+    } else if (is_attached_[index]) {
+      const RTCGeometry geometry = rtcGetGeometry(scene_.get(), id);
+      rtcSetGeometryMask(geometry, mesh.mask);
+      for (unsigned step = 0; extent == MeshEdit::Extent::kPositions && step < mesh.steps.size(); ++step)
+        rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, step);
+      rtcCommitGeometry(geometry);
+    }
+  }
+  rtcCommitScene(scene_.get());
+  device_.check();
 }
 
 void EmbreeStructure::intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const {

@@ -17,6 +17,8 @@ class EmbreeStructure : public StructureUnderTest {
                   const BuildProgress& progress);
 
   const BuildRecord& build_record() const override { return record_; }
+  bool can_update() const override { return true; }
+  void update(const Scene& scene, std::span<const MeshEdit> edits) override;
   void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
   void occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
   bool intersect_one(const Ray& ray, Hit& hit) const override;
@@ -29,6 +31,7 @@ class EmbreeStructure : public StructureUnderTest {
   EmbreeDevice device_;
   ScenePtr scene_;
   BuildRecord record_;
+  std::vector<bool> is_attached_;  ///< of each mesh of the scene
 };
 
 /// Traces `rays` through one Embree scene, one by one or in packets of 16; geomIDs are taken as they are.

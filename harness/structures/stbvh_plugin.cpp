@@ -13,7 +13,7 @@ namespace stbvh::harness {
 
 StbvhPlugin::StbvhPlugin(const Scene& scene, const PluginSettings& settings, unsigned threads,
                          const BuildProgress& progress)
-    : device_("", threads) {
+    : settings_(settings), indices_(scene.meshes.size(), kNotAdded), device_("", threads) {
   const BuildMeter meter(threads);
   geometry_.reset(stbvhNewGeometry(device_.get()));
   if (!geometry_) throw std::bad_alloc();
@@ -22,7 +22,7 @@ StbvhPlugin::StbvhPlugin(const Scene& scene, const PluginSettings& settings, uns
     const Mesh& mesh = scene.meshes[i];
     if (mesh.triangle_count() == 0) continue;
     const bool stays_embrees = settings.still_in_embree && mesh.is_static();
-    stays_embrees ? attach_mesh(mesh, static_cast<unsigned>(i)) : add_mesh(mesh, static_cast<unsigned>(i));
+    stays_embrees ? attach_mesh(mesh, static_cast<unsigned>(i)) : set_mesh(mesh, static_cast<unsigned>(i));
   }
   check(stbvhSetGeometryPrecision(geometry_.get(), settings.precision));
   check(stbvhSetGeometryTolerance(geometry_.get(), scene.tolerance));
@@ -56,7 +56,18 @@ StbvhPlugin::StbvhPlugin(const Scene& scene, const PluginSettings& settings, uns
   record_.resident_bytes = meter.resident_growth();
 }
 
-void StbvhPlugin::add_mesh(const Mesh& mesh, unsigned geom_id) {
+void StbvhPlugin::update(const Scene& scene, std::span<const MeshEdit> edits) {
+  for (const auto& [index, extent] : edits) {
+    if (extent != MeshEdit::Extent::kPositions)  // those are found out by the commit
+      set_mesh(scene.meshes[index], static_cast<unsigned>(index));
+  }
+  check(stbvhCommitGeometry(geometry_.get()));
+  rtcCommitScene(scene_.get());
+  device_.check();
+}
+
+/// Adds it, or replaces it.
+void StbvhPlugin::set_mesh(const Mesh& mesh, unsigned geom_id) {
   std::vector<const void*> vertices;
   for (const VertexBuffer& step : mesh.steps) vertices.push_back(step.data());
   StbvhMeshArguments arguments;
@@ -71,7 +82,9 @@ void StbvhPlugin::add_mesh(const Mesh& mesh, unsigned geom_id) {
   arguments.stepTimes = mesh.has_step_times() ? mesh.step_times.data() : nullptr;
   arguments.mask = mesh.mask;
   arguments.geomID = geom_id;
-  check(stbvhAddMesh(geometry_.get(), &arguments, nullptr));
+  unsigned& index = indices_[geom_id];
+  check(index == kNotAdded ? stbvhAddMesh(geometry_.get(), &arguments, &index)
+                           : stbvhSetMesh(geometry_.get(), index, &arguments));
 }
 
 /// As Embree's own triangles.

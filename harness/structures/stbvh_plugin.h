@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <type_traits>
+#include <vector>
 
 #include "harness/structures/embree_device.h"
 #include "harness/structures/structure_under_test.h"
@@ -23,6 +24,8 @@ class StbvhPlugin : public StructureUnderTest {
               const BuildProgress& progress);
 
   const BuildRecord& build_record() const override { return record_; }
+  bool can_update() const override { return !settings_.still_in_embree; }
+  void update(const Scene& scene, std::span<const MeshEdit> edits) override;
   void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
   void occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
   bool intersect_one(const Ray& ray, Hit& hit) const override;
@@ -37,10 +40,14 @@ class StbvhPlugin : public StructureUnderTest {
   };
   using StbvhGeometryPtr = std::unique_ptr<std::remove_pointer_t<StbvhGeometry>, Release>;
 
-  void add_mesh(const Mesh& mesh, unsigned geom_id);
+  void set_mesh(const Mesh& mesh, unsigned geom_id);
   void attach_mesh(const Mesh& mesh, unsigned geom_id);
   void check(RTCError error) const;
 
+  static constexpr unsigned kNotAdded = 0xFFFFFFFFu;
+
+  PluginSettings settings_;
+  std::vector<unsigned> indices_;  ///< in the plugin, of each mesh of the scene
   EmbreeDevice device_;
   StbvhGeometryPtr geometry_;
   ScenePtr scene_;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "harness/scenes/scene.h"
+#include "harness/scenes/scene_editor.h"
 #include "harness/structures/hit_record.h"
 
 namespace stbvh::harness {
@@ -40,6 +41,14 @@ class StructureUnderTest {
   virtual ~StructureUnderTest() = default;
 
   virtual const BuildRecord& build_record() const = 0;
+
+  /// Whether update() does anything.
+  virtual bool can_update() const { return false; }
+  /// Makes it that of `scene`, the one that it was built over, in which `edits` were made since. The record
+  /// is that of the build.
+  virtual void update(const Scene& scene, std::span<const MeshEdit> edits) {
+    static_cast<void>(scene), static_cast<void>(edits);
+  }
 
   /// Traces each of `rays` once, on the calling thread; `hits` has the same length.
   virtual void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const = 0;

@@ -5,13 +5,14 @@
 #include <tbb/task_group.h>
 
 #include <algorithm>
+#include <array>
 #include <new>
 
 #include "builder/mbsah.h"
+#include "builder/merged_bounds.h"
 #include "builder/motion_bounds.h"
 #include "builder/object_split.h"
 #include "builder/temporal_split.h"
-#include "builder/tightest_bounds.h"
 
 namespace stbvh {
 
@@ -54,46 +55,12 @@ void invoke_both(bool parallel, const F& f, const G& g) {
   if (group.wait() == tbb::task_group_status::canceled) throw BuildCancelled();
 }
 
-/// Linear bounds over `range` of two subtrees that may be alive in parts of it only.
-LinearBounds merged_bounds(const ClosedTimeRange& range, const BinaryNode& left, const BinaryNode& right) {
-  const LinearBounds bounds[2] = {left.bounds(), right.bounds()};
-  if (left.range == range && right.range == range) {
-    LinearBounds both = bounds[0];
-    both.extend(bounds[1]);
-    return both;
-  }
-  const double length = static_cast<double>(range.last) - range.begin;
-  const auto parameter = [&](float time) {
-    return length > 0 ? static_cast<float>((static_cast<double>(time) - range.begin) / length) : 0.0f;
-  };
-  std::array<BoundsSample, 6> samples;
-  std::size_t count = 0;
-  const ClosedTimeRange ranges[2] = {left.range, right.range};
-  for (std::size_t i = 0; i < 2; ++i) {
-    samples[count++] = {parameter(ranges[i].begin), bounds[i].begin};
-    samples[count++] = {parameter(ranges[i].last), bounds[i].end};
-  }
-  const auto earlier = [](const BoundsSample& a, const BoundsSample& b) { return a.parameter < b.parameter; };
-  std::sort(samples.begin(), samples.begin() + 4, earlier);
-  // Nothing is alive before the first and after the last: those boxes may stand at the ends as well.
-  samples[count] = samples[count - 1];
-  samples[count++].parameter = 1.0f;
-  samples[count] = samples[0];
-  samples[count++].parameter = 0.0f;
-  std::rotate(samples.begin(), samples.end() - 1, samples.end());
-  // Halves meet within a float of time: no line should be laid through two boxes so close.
-  for (std::size_t i = 0; i + 1 < count; ++i) {
-    if (samples[i + 1].parameter - samples[i].parameter > 1e-3f) continue;
-    samples[i].box = samples[i + 1].box = united(samples[i].box, samples[i + 1].box);
-  }
-  return tightest_at_centre(samples);
-}
-
 }  // namespace
 
 BinaryTree::BinaryTree(BuildContext& context)
     : context_(context), arenas_([&context] { return Arena(context.memory); }) {
   context_.meshlets.resize(context_.meshes.size());
+  mesh_bounds_.assign(context_.meshes.size(), Box4::empty());
   tbb::parallel_for(std::size_t{0}, context_.meshes.size(), [&](std::size_t i) {
     context_.meshlets[i] = make_meshlets(context_, context_.meshes[i]);
   });
@@ -141,6 +108,7 @@ ReferenceSet BinaryTree::make_references(TemporaryArray<Reference>& storage) {
   // The times of any mesh, within [0, 1].
   float begin = 1.0f, last = 0.0f;
   live_triangles_ = primitive_segments_ = 0;
+  mesh_bounds_.assign(context_.meshes.size(), Box4::empty());
   for (const BuildMesh& mesh : context_.meshes) {
     begin = std::min(begin, std::max(mesh.grid().begin, 0.0f));
     last = std::max(last, std::min(mesh.grid().end, 1.0f));
@@ -164,6 +132,10 @@ ReferenceSet BinaryTree::make_references(TemporaryArray<Reference>& storage) {
             make_reference(bounds, static_cast<std::uint32_t>(m), static_cast<std::uint32_t>(i));
       }
     });
+    for (std::size_t i = out; i < out + count; ++i) {
+      const LinearBounds bounds = storage.data()[i].bounds();
+      mesh_bounds_[m].extend(united(bounds.begin, bounds.end));
+    }
     out += count;
     live_triangles_ += set_of_mesh.triangles;
     primitive_segments_ += set_of_mesh.triangles * std::max<std::size_t>(mesh.segments(), 1);
@@ -243,7 +215,9 @@ BinaryTree::Subtree BinaryTree::make_leaf(const ReferenceSet& set) {
 BinaryTree::Subtree BinaryTree::make_inner(const ClosedTimeRange& range, const Subtree& left,
                                            const Subtree& right) {
   BinaryInner* inner = arenas_.local().make<BinaryInner>();
-  inner->packed_bounds = PackedBounds(merged_bounds(range, *left.node, *right.node));
+  const std::array children{TimedBounds{left.node->bounds(), left.node->range},
+                            TimedBounds{right.node->bounds(), right.node->range}};
+  inner->packed_bounds = PackedBounds(merged_bounds(range, children));
   inner->range = range;
   inner->subtree_leaves = left.node->subtree_leaves + right.node->subtree_leaves;
   inner->set_children(*left.node, *right.node);

@@ -6,6 +6,7 @@
 #include <array>
 #include <atomic>
 #include <optional>
+#include <vector>
 
 #include "builder/binary_node.h"
 #include "builder/build_context.h"
@@ -34,6 +35,8 @@ class BinaryTree {
   BinaryNode* root() { return root_; }  ///< null: there is no valid triangle
   const BinaryNode* root() const { return root_; }
   ClosedTimeRange range() const { return range_; }
+  /// Of a mesh at all times; empty where it is never alive.
+  const Box4& mesh_bounds(std::size_t mesh) const { return mesh_bounds_[mesh]; }
   std::size_t live_triangles() const { return live_triangles_; }
   std::size_t invalid_triangles() const { return invalid_triangles_; }
   std::size_t primitive_segments() const { return primitive_segments_; }
@@ -66,6 +69,7 @@ class BinaryTree {
   tbb::enumerable_thread_specific<Arena> arenas_;
   BinaryNode* root_ = nullptr;
   ClosedTimeRange range_{0.0f, 1.0f};
+  std::vector<Box4> mesh_bounds_;
   double total_work_ = 0;
   double wanted_bytes_ = 0;
   std::size_t live_triangles_ = 0;

@@ -21,8 +21,6 @@ struct BuildContext {
   BuildMemory memory;  ///< before what is counted in it
   std::vector<BuildMesh> meshes;
   std::vector<MeshletSet> meshlets;  ///< of each mesh
-  std::size_t steps_given = 0;       ///< of the caller's meshes
-  std::size_t steps_kept = 0;        ///< of these, by any part of a mesh
   BuildProgress progress;
   BytePrice price;  ///< of memory
 };

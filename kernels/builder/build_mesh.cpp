@@ -44,7 +44,10 @@ bool is_equidistant(const std::vector<std::size_t>& steps) {
 }  // namespace
 
 BuildMesh::BuildMesh(const MeshView& view, std::size_t index)
-    : view_(checked(view, index)), index_(static_cast<std::uint32_t>(index)), kept_(view.steps.size()) {
+    : view_(checked(view, index)),
+      index_(static_cast<std::uint32_t>(index)),
+      steps_given_(view.steps.size()),
+      kept_(view.steps.size()) {
   std::iota(kept_.begin(), kept_.end(), std::size_t{0});
   if (is_static()) view_.step_times = {};  // not looked at
   for (const float time : view_.step_times) times_.push_back(normal_time(time));

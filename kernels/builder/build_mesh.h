@@ -35,6 +35,7 @@ class BuildMesh {
   const MeshView& view() const { return view_; }
   /// Which of the caller's meshes it is.
   std::uint32_t index() const { return index_; }
+  bool is_part() const { return prims_ != nullptr; }
   std::size_t triangle_count() const {
     return prims_ == nullptr ? view_.triangle_count : prims_->span().size();
   }
@@ -44,6 +45,7 @@ class BuildMesh {
   }
   /// Which of the steps given.
   const std::vector<std::size_t>& steps_kept() const { return kept_; }
+  std::size_t steps_given() const { return steps_given_; }
   /// How far the motion is off without them, at most; scene units.
   double deviation() const { return deviation_; }
   const TimeGrid& grid() const { return grid_; }
@@ -64,6 +66,7 @@ class BuildMesh {
 
   /// Whether all indices are in range and all positions valid, in every step.
   bool is_valid(const TriangleIndices& triangle) const;
+  bool has_invalid_vertices() const { return !invalid_vertices_.empty(); }
   bool is_invalid(std::size_t vertex) const {
     return !invalid_vertices_.empty() && invalid_vertices_[vertex];
   }
@@ -96,6 +99,7 @@ class BuildMesh {
   std::vector<float> times_;             ///< of view_, where the steps are uneven; no denormals
   std::uint32_t index_;
   std::unique_ptr<TemporaryArray<std::uint32_t>> prims_;  ///< null: all
+  std::size_t steps_given_;
   std::vector<std::size_t> kept_;
   double deviation_ = 0.0;
   TimeGrid grid_;

@@ -12,6 +12,7 @@
 #include "builder/mbsah.h"
 #include "layout/meshlet.h"
 #include "layout/node_plan.h"
+#include "layout/node_slots.h"
 
 namespace stbvh {
 
@@ -20,10 +21,6 @@ namespace {
 /// Subtrees of fewer leaves are walked by one thread.
 constexpr std::size_t kParallelLeaves = 4096;
 constexpr std::uint32_t kNone = 0xFFFFFFFFu;
-
-Link make_link(LinkKind kind, std::size_t unit) {
-  return static_cast<Link>(unit) | (static_cast<Link>(kind) << kLinkKindShift);
-}
 
 /// The order in which occlusion rays try the children they meet: what is large and decides soon comes first.
 bool is_tried_before(const BinaryNode* a, const BinaryNode* b) {
@@ -70,18 +67,6 @@ void for_each_child(bool parallel, std::size_t count, const Body& body) {
 
 }  // namespace
 
-void Encoder::Counts::add(const Counts& other) {
-  for (std::size_t kind = 0; kind < 3; ++kind) {
-    nodes[kind] += other.nodes[kind];
-    node_children[kind] += other.node_children[kind];
-  }
-  inline_leaves += other.inline_leaves;
-  indexed_leaves += other.indexed_leaves;
-  leaf_triangles += other.leaf_triangles;
-  leaf_units += other.leaf_units;
-  depth = std::max(depth, other.depth);
-}
-
 Encoder::Encoder(BuildContext& context, BinaryTree& tree, std::size_t most_bytes)
     : context_(context), root_(tree.root()) {
   if (tree.root() == nullptr) return;
@@ -90,7 +75,8 @@ Encoder::Encoder(BuildContext& context, BinaryTree& tree, std::size_t most_bytes
   if (bytes() > most_bytes) {
     std::size_t node_bytes = 0;
     for (const LinkKind kind : {LinkKind::kStaticNode, LinkKind::kLinearNode, LinkKind::kSpatialTemporalNode})
-      node_bytes += counts_.nodes[static_cast<std::size_t>(kind)] * node_units(kind) * kUnitBytes;
+      node_bytes += static_cast<std::size_t>(counts_.nodes[static_cast<std::size_t>(kind)]) *
+                    node_units(kind) * kUnitBytes;
     choose_leaves(*tree.root(), most_bytes - std::min(node_bytes, most_bytes));
     counts_ = measure(*tree.root());
     units_ = root_->units;
@@ -154,59 +140,61 @@ std::size_t Encoder::leaf_units(const BinaryLeaf& leaf) const {
   return leaf.is_indexed ? 0 : inline_leaf_bytes(leaf_steps(leaf)) / kUnitBytes;
 }
 
-Encoder::Counts Encoder::measure(BinaryNode& node) const {
-  Counts counts;
+TreeCounts Encoder::measure(BinaryNode& node) const {
+  TreeCounts counts;
   if (node.is_leaf()) {
     const BinaryLeaf& leaf = as_leaf(node);
     (leaf.is_indexed ? counts.indexed_leaves : counts.inline_leaves) = 1;
     counts.leaf_triangles = leaf.meshlet->triangle_count;
-    counts.leaf_units = leaf_units(leaf);
-    node.units = static_cast<std::uint32_t>(counts.leaf_units);
+    node.units = static_cast<std::uint32_t>(leaf_units(leaf));
+    counts.leaf_units = node.units;
     return counts;
   }
   const WideChildren<BinaryNode> children = wide_children(as_inner(node));
-  std::array<Counts, kWidth> child_counts;
+  std::array<TreeCounts, kWidth> child_counts;
   const bool parallel = node.subtree_leaves >= kParallelLeaves;
   for_each_child(parallel, children.count, [&](std::size_t i) { child_counts[i] = measure(children[i]); });
   const LinkKind kind = plan_node(node, children.span()).kind();
   std::size_t units = node_units(kind);
   for (std::size_t i = 0; i < children.count; ++i) {
     counts.add(child_counts[i]);
+    counts.expected_area += stbvh::expected_area(children[i].bounds(), children[i].range);
     units += children[i].units;
   }
   node.units = static_cast<std::uint32_t>(std::min(units, kMaxUnits + 1));  // more is refused in the end
-  ++counts.nodes[static_cast<std::size_t>(kind)];
-  counts.node_children[static_cast<std::size_t>(kind)] += children.count;
+  counts.add_node(kind, children.count);
   ++counts.depth;
   return counts;
 }
 
-Link Encoder::encode(std::byte* data) const {
+Link Encoder::encode(std::byte* data, std::size_t first_unit, std::span<const std::uint32_t> records) const {
+  const Target target{data, first_unit + units_, records};
   for (std::size_t mesh = 0; mesh < first_meshlet_.size(); ++mesh) {
     const std::span<const Meshlet> meshlets = context_.meshlets[mesh].meshlets();
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, meshlets.size(), kParallelLeaves),
-                      [&](const auto& part) {
-                        for (std::size_t i = part.begin(); i != part.end(); ++i) {
-                          const std::uint32_t number = indexed_[first_meshlet_[mesh] + i];
-                          if (number == kNone) continue;
-                          write_indexed_leaf(static_cast<std::uint32_t>(mesh), meshlets[i],
-                                             data + units_ * kUnitBytes + number * kIndexedLeafBytes);
-                        }
-                      });
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, meshlets.size(), kParallelLeaves), [&](const auto& part) {
+          for (std::size_t i = part.begin(); i != part.end(); ++i) {
+            const std::uint32_t number = indexed_[first_meshlet_[mesh] + i];
+            if (number == kNone) continue;
+            write_indexed_leaf(records[mesh], meshlets[i],
+                               data + target.first_indexed * kUnitBytes + number * kIndexedLeafBytes);
+          }
+        });
   }
-  return encode_node(*root_, data, 0);
+  return encode_node(*root_, target, first_unit);
 }
 
-Link Encoder::encode_node(const BinaryNode& node, std::byte* data, std::size_t unit) const {
+Link Encoder::encode_node(const BinaryNode& node, const Target& target, std::size_t unit) const {
   if (node.is_leaf()) {
     const BinaryLeaf& leaf = as_leaf(node);
     if (leaf.is_indexed) {
       const std::size_t number = indexed_[meshlet_number(leaf)];
-      return make_link(LinkKind::kLeaf, units_ + number * (kIndexedLeafBytes / kUnitBytes));
+      return make_link(LinkKind::kLeaf, target.first_indexed + number * (kIndexedLeafBytes / kUnitBytes));
     }
     const std::size_t first = leaf.segments.first;
     const auto steps = context_.meshes[leaf.mesh].view().steps.subspan(first, leaf_steps(leaf));
-    write_inline_leaf(leaf.mesh, *leaf.meshlet, first, steps, data + unit * kUnitBytes);
+    write_inline_leaf(target.records[leaf.mesh], *leaf.meshlet, first, steps,
+                      target.data + unit * kUnitBytes);
     return make_link(LinkKind::kLeaf, unit);
   }
   WideChildren<const BinaryNode> children = wide_children(as_inner(node));
@@ -221,19 +209,9 @@ Link Encoder::encode_node(const BinaryNode& node, std::byte* data, std::size_t u
     next += children[i].units;
   }
   for_each_child(node.subtree_leaves >= kParallelLeaves, children.count,
-                 [&](std::size_t i) { plan.children[i].link = encode_node(children[i], data, units[i]); });
-  write_node(plan, data + unit * kUnitBytes);
+                 [&](std::size_t i) { plan.children[i].link = encode_node(children[i], target, units[i]); });
+  write_node(plan, target.data + unit * kUnitBytes);
   return make_link(kind, unit);
-}
-
-void Encoder::add_statistics(BuildStatistics& statistics) const {
-  statistics.nodes = counts_.nodes;
-  statistics.node_children = counts_.node_children;
-  statistics.inline_leaves = counts_.inline_leaves;
-  statistics.indexed_leaves = counts_.indexed_leaves;
-  statistics.leaf_triangles = counts_.leaf_triangles;
-  statistics.leaf_bytes = counts_.leaf_units * kUnitBytes + indexed_count_ * kIndexedLeafBytes;
-  statistics.depth = counts_.depth;
 }
 
 }  // namespace stbvh

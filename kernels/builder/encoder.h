@@ -2,10 +2,12 @@
 /// of which, and where each of them stands. layout/ writes them.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "builder/binary_tree.h"
 #include "builder/build_context.h"
+#include "builder/tree_counts.h"
 #include "layout/layout.h"
 
 namespace stbvh {
@@ -20,33 +22,37 @@ class Encoder {
   /// with indexed leaves alone.
   std::size_t bytes() const { return units_ * kUnitBytes + indexed_count_ * kIndexedLeafBytes; }
 
-  /// Writes nodes and leaves to `data` (bytes() of it, aligned to kUnitBytes), each node followed by its
-  /// children's subtrees in the order in which occlusion rays try them, indexed leaves behind all. Returns
-  /// the root's link.
-  Link encode(std::byte* data) const;
+  /// Writes nodes and leaves to the block at `data`, from number `first_unit` of its units on (bytes() of it,
+  /// aligned to kUnitBytes), each node followed by its children's subtrees in the order in which occlusion
+  /// rays try them, indexed leaves behind all. Leaves name the mesh `records[i]` for the i-th. Returns the
+  /// root's link.
+  Link encode(std::byte* data, std::size_t first_unit, std::span<const std::uint32_t> records) const;
 
-  /// Counts of nodes and leaves, depth: what measuring the tree has found.
-  void add_statistics(BuildStatistics& statistics) const;
+  /// What measuring the tree has found.
+  const TreeCounts& counts() const { return counts_; }
+  std::size_t leaf_bytes() const {
+    return static_cast<std::size_t>(counts_.leaf_units) * kUnitBytes + indexed_count_ * kIndexedLeafBytes;
+  }
 
  private:
-  struct Counts {
-    std::array<std::size_t, 3> nodes{};
-    std::array<std::size_t, 3> node_children{};
-    std::size_t inline_leaves = 0, indexed_leaves = 0, leaf_triangles = 0, leaf_units = 0, depth = 0;
-    void add(const Counts& other);
-  };
   /// Chooses which leaves are indexed, so that all leaves take at most `most_bytes`; numbers the meshlets of
   /// those.
   void choose_leaves(BinaryNode& root, std::size_t most_bytes);
-  Counts measure(BinaryNode& node) const;
-  Link encode_node(const BinaryNode& node, std::byte* data, std::size_t unit) const;
+  TreeCounts measure(BinaryNode& node) const;
+  /// Where the tree is written to.
+  struct Target {
+    std::byte* data;
+    std::size_t first_indexed;  ///< unit of the first indexed leaf
+    std::span<const std::uint32_t> records;
+  };
+  Link encode_node(const BinaryNode& node, const Target& target, std::size_t unit) const;
   std::size_t leaf_units(const BinaryLeaf& leaf) const;
   std::size_t leaf_steps(const BinaryLeaf& leaf) const;
   std::size_t meshlet_number(const BinaryLeaf& leaf) const;
 
   BuildContext& context_;
   const BinaryNode* root_;
-  Counts counts_;
+  TreeCounts counts_;
   std::size_t units_ = 0;  ///< of nodes and inline leaves
   /// Indexed leaves stand behind them, one for each meshlet: leaves of all its time ranges are the same.
   std::vector<std::size_t> first_meshlet_;  ///< of each mesh, in the next

@@ -12,7 +12,6 @@
 #include <map>
 #include <mutex>
 #include <numeric>
-#include <set>
 #include <utility>
 
 #include "builder/build_context.h"
@@ -281,11 +280,6 @@ std::vector<MeshPart> find_parts(BuildContext& context, const MeshView& view, co
 void add_mesh(BuildContext& context, const MeshView& view, std::size_t index) {
   BuildMesh whole(view, index, context.settings.tolerance);
   std::vector<MeshPart> parts = find_parts(context, view, whole);
-  context.steps_given += view.steps.size();
-  if (parts.empty()) context.steps_kept += whole.steps_kept().size();
-  std::set<std::size_t> kept;
-  for (const MeshPart& part : parts) kept.insert(part.steps.kept.begin(), part.steps.kept.end());
-  context.steps_kept += kept.size();
   for (MeshPart& part : parts) context.meshes.emplace_back(whole, view, std::move(part), context.memory);
   if (parts.empty()) context.meshes.push_back(std::move(whole));
 }

@@ -28,6 +28,25 @@ Box4 bounds_at(const VertexBufferView& step, std::span<const Meshlet> meshlets) 
 
 }  // namespace
 
+std::vector<Box3f> step_bounds(const BuildMesh& mesh) {
+  const MeshView& view = mesh.view();
+  std::vector<std::uint8_t> used(view.steps[0].count);
+  for (std::size_t prim = 0; prim < view.triangle_count; ++prim) {
+    const TriangleIndices triangle = view.triangle(prim);
+    if (!mesh.is_valid(triangle)) continue;
+    for (const std::uint32_t vertex : triangle) used[vertex] = 1;
+  }
+  std::vector<Box3f> boxes(view.steps.size());
+  tbb::parallel_for(std::size_t{0}, boxes.size(), [&](std::size_t step) {
+    Box4 box = Box4::empty();
+    for (std::size_t vertex = 0; vertex < used.size(); ++vertex) {
+      if (used[vertex] != 0) box.extend(F32x4(view.steps[step].position(vertex)));
+    }
+    boxes[step] = to_box3f(box);
+  });
+  return boxes;
+}
+
 std::vector<Box3f> step_bounds(const BuildMesh& mesh, std::span<const Meshlet> meshlets) {
   std::vector<Box3f> boxes;
   for (const VertexBufferView& step : mesh.view().steps) boxes.push_back(to_box3f(bounds_at(step, meshlets)));

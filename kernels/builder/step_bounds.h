@@ -12,4 +12,7 @@ namespace stbvh {
 /// The boxes of `meshlets`, all those of `mesh`, at each step; empty ones without any.
 std::vector<Box3f> step_bounds(const BuildMesh& mesh, std::span<const Meshlet> meshlets);
 
+/// The same, for a mesh without invalid vertices and not in parts, of the vertices that its triangles use.
+std::vector<Box3f> step_bounds(const BuildMesh& mesh);
+
 }  // namespace stbvh

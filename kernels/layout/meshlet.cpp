@@ -27,6 +27,33 @@ std::array<std::uint32_t, kWidth> vertex_slots(const Meshlet& meshlet) {
 
 }  // namespace
 
+std::optional<Meshlet> read_meshlet(const LeafHeader& leaf, const MeshView& mesh) {
+  Meshlet meshlet{};
+  meshlet.triangle_count = leaf.triangle_count;
+  std::memcpy(meshlet.corners, leaf.corners, sizeof meshlet.corners);
+  std::copy_n(leaf.prim_ids, leaf.triangle_count, meshlet.prims);
+  std::array<bool, kWidth> is_known{};
+  for (std::size_t i = 0; i < leaf.triangle_count; ++i) {
+    const TriangleIndices triangle = mesh.triangle(leaf.prim_ids[i]);
+    for (std::size_t corner = 0; corner < 3; ++corner) {
+      const std::uint8_t slot = leaf.corners[corner][i];
+      const std::uint32_t vertex = triangle[corner];
+      if (!is_known[slot]) {
+        is_known[slot] = true;
+        meshlet.vertices[slot] = vertex;
+        meshlet.vertex_count = std::max<std::uint8_t>(meshlet.vertex_count, slot + 1);
+        continue;
+      }
+      if (meshlet.vertices[slot] == vertex) continue;
+      for (const VertexBufferView& step : mesh.steps) {
+        const Vec3f p = step.position(meshlet.vertices[slot]), q = step.position(vertex);
+        if (std::memcmp(&p, &q, sizeof p) != 0) return std::nullopt;
+      }
+    }
+  }
+  return meshlet;
+}
+
 void write_inline_leaf(std::uint32_t mesh, const Meshlet& meshlet, std::size_t first_step,
                        std::span<const VertexBufferView> steps, std::byte* out) {
   LeafHeader header = leaf_header(mesh, meshlet);

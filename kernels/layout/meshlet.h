@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "layout/layout.h"
@@ -25,5 +26,9 @@ void write_inline_leaf(std::uint32_t mesh, const Meshlet& meshlet, std::size_t f
                        std::span<const VertexBufferView> steps, std::byte* out);
 /// Writes a leaf that reads the caller's buffers.
 void write_indexed_leaf(std::uint32_t mesh, const Meshlet& meshlet, std::byte* out);
+
+/// What a leaf was written of, with the vertices that `mesh` has now; none where corners of one vertex slot
+/// are no longer at the same place at all steps.
+std::optional<Meshlet> read_meshlet(const LeafHeader& leaf, const MeshView& mesh);
 
 }  // namespace stbvh

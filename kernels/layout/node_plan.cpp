@@ -13,25 +13,6 @@ namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
-/// One face of linear bounds as plane + (t - begin) * slope, evaluated in float with or without fma, outside
-/// the line through (begin, at_begin) and (last, at_last) at every float t between. With m the larger
-/// magnitude, rounding of duration, plane, slope, t - begin, product and sum stays below 10 * 2^-24 * m
-/// (docs/accuracy.md).
-struct Face {
-  float plane, slope;
-};
-Face make_face(float at_begin, float at_last, float duration, bool upper) {
-  const float outwards = upper ? kInf : -kInf;
-  if (at_begin == at_last) return {at_begin, 0.0f};
-  if (!(duration > 0.0f)) return {upper ? std::max(at_begin, at_last) : std::min(at_begin, at_last), 0.0f};
-  const float largest = std::max(std::fabs(at_begin), std::fabs(at_last));
-  const float pad = largest * 0x1p-20f + 4.0f * std::numeric_limits<float>::min();
-  const float slope = static_cast<float>((static_cast<double>(at_last) - at_begin) / duration);
-  if (!std::isfinite(slope)) return make_face(at_begin, at_last, 0.0f, upper);
-  const float plane = std::nextafter(upper ? at_begin + pad : at_begin - pad, outwards);
-  return {plane, slope};
-}
-
 void write_planes(const LinearBounds& bounds, float duration, std::size_t slot, float (*planes)[kWidth],
                   float (*slopes)[kWidth]) {
   const auto& [begin, end] = bounds;
@@ -73,6 +54,18 @@ void write_as(const NodePlan& plan, std::byte* out) {
 }
 
 }  // namespace
+
+Face make_face(float at_begin, float at_last, float duration, bool upper) {
+  const float outwards = upper ? kInf : -kInf;
+  if (at_begin == at_last) return {at_begin, 0.0f};
+  if (!(duration > 0.0f)) return {upper ? std::max(at_begin, at_last) : std::min(at_begin, at_last), 0.0f};
+  const float largest = std::max(std::fabs(at_begin), std::fabs(at_last));
+  const float pad = largest * 0x1p-20f + 4.0f * std::numeric_limits<float>::min();
+  const float slope = static_cast<float>((static_cast<double>(at_last) - at_begin) / duration);
+  if (!std::isfinite(slope)) return make_face(at_begin, at_last, 0.0f, upper);
+  const float plane = std::nextafter(upper ? at_begin + pad : at_begin - pad, outwards);
+  return {plane, slope};
+}
 
 LinkKind NodePlan::kind() const {
   bool moves = false;

@@ -1,8 +1,11 @@
 #include "plugin/preload/group.h"
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <new>
+#include <unordered_map>
+#include <utility>
 
 #include "plugin/preload/published_pool.h"
 #include "plugin/preload/real_embree.h"
@@ -59,18 +62,6 @@ void counting_occluded(const RTCOccludedFunctionNArguments* arguments) {
   plugin::occluded_callback(arguments);
 }
 
-/// Two steps over [0, 1], or one if nothing moves.
-plugin::MotionGrid grid_of(const std::vector<MeshView>& views) {
-  LinearBox bounds;
-  bool moves = false;
-  for (const MeshView& view : views) {
-    bounds.extend(linear_bounds_of(view));
-    moves |= view.steps.size() > 1;
-  }
-  if (moves) return {{0.0f, 1.0f}, {bounds.begin, bounds.end}};
-  return {{0.0f, 1.0f}, {bounds.begin}};
-}
-
 std::shared_ptr<Published> publication(const std::vector<Member>& members, const GroupSettings& settings) {
   auto published = std::allocate_shared<Published>(PublishedAllocator<Published>());
   published->runs_query_filters = settings.runs_query_filters;
@@ -118,7 +109,8 @@ bool Group::is_built_of(const std::vector<Member>& members, const GroupSettings&
   if (!may_be) return false;
   for (std::size_t i = 0; i < members.size(); ++i) {
     // Versions are unique, so they tell meshes apart too.
-    const bool same = members[i].geom_id == members_[i].geom_id && members[i].version == members_[i].version;
+    const Member& built = members_[i].member;
+    const bool same = members[i].geom_id == built.geom_id && members[i].version == built.version;
     if (!same) return false;
   }
   return true;
@@ -134,31 +126,81 @@ BuildCallbacks Group::callbacks(const std::function<bool(double)>& progress, boo
     std::atomic_ref(refused).store(true, std::memory_order_relaxed);
     return false;
   };
-  result.progress = progress;
+  // An update that is given up is followed by a build: what was done stays done.
+  result.progress = [&progress, done = 0.0](double fraction) mutable {
+    done = std::max(done, fraction);
+    return progress(done);
+  };
   return result;
+}
+
+/// What members have become of those that were built. All buffers are read: Embree builds of what they hold,
+/// also where the application has not said that it changed them.
+std::vector<Group::Built> Group::look_at(const std::vector<Member>& members, std::span<const MeshView> views,
+                                         std::vector<MeshUpdate>& updates) const {
+  std::unordered_map<const TrackedGeometry*, std::size_t> was;
+  for (std::size_t i = 0; i < members_.size(); ++i) was.emplace(members_[i].member.mesh.get(), i);
+  const std::vector<plugin::MeshFingerprint> fingerprints = plugin::fingerprints_of(views);
+  std::vector<Built> built(members.size());
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    const auto before = was.find(members[i].mesh.get());
+    if (before != was.end()) {
+      built[i] = members_[before->second];
+      updates[i] = {before->second, plugin::change_between(built[i].fingerprint, fingerprints[i])};
+      was.erase(before);  // a geometry may be attached twice
+    }
+    built[i].member = members[i];
+    built[i].fingerprint = fingerprints[i];
+    if (updates[i].change == MeshChange::kNothing) continue;
+    built[i].box = linear_bounds_of(views[i]);
+    built[i].moves = views[i].steps.size() > 1;
+  }
+  return built;
 }
 
 void Group::build(std::vector<Member> members, const GroupSettings& settings,
                   const std::function<bool(double)>& progress) {
-  clear();
   const auto start = std::chrono::steady_clock::now();
+  std::shared_ptr<Structure> structure;
+  if (user_geometry_.published() != nullptr && settings.build == settings_.build)
+    structure = user_geometry_.published()->structure;
+  user_geometry_.publish(nullptr);
   auto published = publication(members, settings);
   std::vector<std::vector<VertexBufferView>> steps(members.size());
   std::vector<MeshView> views;
   for (std::size_t i = 0; i < members.size(); ++i) views.push_back(members[i].mesh->view(steps[i]));
+  std::vector<MeshUpdate> updates(members.size());
+  if (structure == nullptr) members_.clear();
+  std::vector<Built> built = look_at(members, views, updates);
+  members_.clear();
   bool refused = false;
+  bool is_update = false;
   try {
-    published->structure = Structure::build(views, settings.build, callbacks(progress, refused));
+    const BuildCallbacks building = callbacks(progress, refused);
+    is_update = structure != nullptr && structure->update(views, updates, building).has_value();
+    if (!is_update) {
+      structure.reset();  // there is never memory for two
+      structure = Structure::build(views, settings.build, building);
+    }
   } catch (const BuildCancelled&) {
     if (refused) throw std::bad_alloc();
     throw;
   }
-  published->grid = grid_of(views);
-  members_ = std::move(members);
+  LinearBox bounds;
+  bool moves = false;
+  for (const Built& member : built) {
+    bounds.extend(member.box);
+    moves |= member.moves;
+  }
+  // Two steps over [0, 1], or one if nothing moves.
+  published->grid = {{0.0f, 1.0f}, {bounds.begin}};
+  if (moves) published->grid.steps.push_back(bounds.end);
+  published->structure = std::move(structure);
+  members_ = std::move(built);
   settings_ = settings;
   user_geometry_.publish(std::move(published));
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
-  count_build(statistics(), seconds.count());
+  count_build(statistics(), is_update, seconds.count());
 }
 
 }  // namespace stbvh::preload

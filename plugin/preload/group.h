@@ -4,8 +4,10 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <span>
 #include <vector>
 
+#include "plugin/mesh_fingerprint.h"
 #include "plugin/preload/linear_scene_bounds.h"
 #include "plugin/preload/real_embree.h"
 #include "plugin/preload/tracked_device.h"
@@ -26,7 +28,7 @@ struct GroupSettings {
   bool runs_query_filters = false;
 
   bool operator==(const GroupSettings& other) const {
-    return build.precision == other.build.precision && runs_query_filters == other.runs_query_filters;
+    return build == other.build && runs_query_filters == other.runs_query_filters;
   }
 };
 
@@ -57,9 +59,9 @@ class Group {
   /// The user geometry to attach.
   RTCGeometry proxy() const { return user_geometry_.handle(); }
 
-  /// Builds anew, after the old structure is freed, and commits the user geometry. `progress` is given the
-  /// fraction done and returns false to cancel. On an exception (BuildCancelled, std::bad_alloc,
-  /// std::length_error, InvalidMesh) the group is empty.
+  /// Changes the structure where members have changed, or builds it anew after the old one is freed, and
+  /// commits the user geometry. `progress` is given the fraction done and returns false to cancel. On an
+  /// exception (BuildCancelled, std::bad_alloc, std::length_error, InvalidMesh) the group is empty.
   void build(std::vector<Member> members, const GroupSettings& settings,
              const std::function<bool(double)>& progress);
 
@@ -77,11 +79,21 @@ class Group {
   const BuildStatistics& statistics() const { return user_geometry_.published()->structure->statistics(); }
 
  private:
+  /// A member, with what its mesh was when it was built.
+  struct Built {
+    Member member;
+    plugin::MeshFingerprint fingerprint;
+    LinearBox box;  ///< that it shows
+    bool moves;
+  };
+
+  std::vector<Built> look_at(const std::vector<Member>& members, std::span<const MeshView> views,
+                             std::vector<MeshUpdate>& updates) const;
   BuildCallbacks callbacks(const std::function<bool(double)>& progress, bool& refused) const;
 
   std::shared_ptr<TrackedDevice> device_;
   plugin::UserGeometry<real> user_geometry_;
-  std::vector<Member> members_;
+  std::vector<Built> members_;
   GroupSettings settings_;
 };
 

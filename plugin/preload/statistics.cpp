@@ -19,7 +19,7 @@ namespace {
 struct Totals {
   std::array<std::size_t, kStaysNativeCount> meshes{};  ///< by StaysNative; kNone: taken over
   std::size_t triangles = 0, invalid_triangles = 0, segments = 0;
-  std::size_t devices = 0, builds = 0, failed_builds = 0, native_twins = 0;
+  std::size_t devices = 0, builds = 0, updates = 0, failed_builds = 0, native_twins = 0;
   double build_seconds = 0;
   std::ptrdiff_t bytes = 0, peak_bytes = 0;
 };
@@ -81,6 +81,7 @@ nlohmann::ordered_json to_json(const Totals& totals, std::uint64_t rays, std::ui
           {"rays", rays},
           {"filtered_hits", filtered_hits},
           {"builds", totals.builds},
+          {"updates", totals.updates},
           {"failed_builds", totals.failed_builds},
           {"build_seconds", totals.build_seconds},
           {"bytes", totals.bytes},
@@ -135,10 +136,14 @@ void count_mesh(TrackedGeometry& mesh, StaysNative reason) {
   });
 }
 
-void count_build(const BuildStatistics& built, double seconds) {
+void count_build(const BuildStatistics& built, bool is_update, double seconds) {
   change_totals([&](Totals& totals) {
-    ++totals.builds;
     totals.build_seconds += seconds;
+    if (is_update) {
+      ++totals.updates;
+      return;
+    }
+    ++totals.builds;
     totals.triangles += built.triangles;
     totals.invalid_triangles += built.invalid_triangles;
     totals.segments += built.primitive_segments;

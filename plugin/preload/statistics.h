@@ -20,7 +20,8 @@ void count_device();
 /// A mesh that a commit took over, or left to Embree for a reason; each is counted once for each.
 void count_mesh(TrackedGeometry& mesh, StaysNative reason);
 
-void count_build(const BuildStatistics& built, double seconds);
+/// `is_update`: the structure was changed, not built anew.
+void count_build(const BuildStatistics& built, bool is_update, double seconds);
 void count_failed_build();
 /// Bytes of structures that came (+) or went (-).
 void count_bytes(std::ptrdiff_t bytes);

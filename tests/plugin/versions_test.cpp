@@ -95,7 +95,14 @@ TEST_F(PluginVersions, StatisticsOfAnOlderHeader) {
                              .maxDeviation = 7,
                              .wantedBytes = 7,
                              .leaves = 7,
-                             .indexedLeaves = 7};
+                             .indexedLeaves = 7,
+                             .isUpdate = 7,
+                             .meshesRefitted = 7,
+                             .meshesBuilt = 7,
+                             .meshesRemoved = 7,
+                             .leavesRefitted = 7,
+                             .expectedCost = 7,
+                             .commitSeconds = 7};
   ASSERT_EQ(stbvhGetStatistics(geometry_.get(), &statistics), RTC_ERROR_NONE);
   EXPECT_EQ(statistics.byteSize, kOldStatistics);
   EXPECT_EQ(statistics.triangles, 1u);
@@ -129,7 +136,14 @@ TEST(PluginVersion, StatisticsAreInitialised) {
                                  .maxDeviation = 0,
                                  .wantedBytes = 0,
                                  .leaves = 0,
-                                 .indexedLeaves = 0};
+                                 .indexedLeaves = 0,
+                                 .isUpdate = 0,
+                                 .meshesRefitted = 0,
+                                 .meshesBuilt = 0,
+                                 .meshesRemoved = 0,
+                                 .leavesRefitted = 0,
+                                 .expectedCost = 0,
+                                 .commitSeconds = 0};
   EXPECT_EQ(std::memcmp(&statistics, &expected, sizeof(expected)), 0);
 }
 

@@ -7,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -65,6 +66,8 @@ struct BuildSettings {
   /// it that move otherwise than the rest, only the steps are kept that this takes. 0: within rounding, so
   /// that what stands still is static, and straight motion has two steps. Or kKeepAllSteps.
   float tolerance = 0.0f;
+
+  bool operator==(const BuildSettings&) const = default;
 };
 
 /// Thrown by build() when a callback returned false; nothing is left behind.
@@ -156,7 +159,33 @@ struct TraversalCounters {
   std::uint64_t triangle_tests = 0;
 };
 
-/// An immutable STBVH. Queries may run on any number of threads at once.
+/// How a mesh differs from the one that a structure holds.
+enum class MeshChange : std::uint8_t {
+  kNothing,    ///< in its mask and geom_id at most; its buffers may lie elsewhere
+  kPositions,  ///< in positions too; triangles, number of steps and times are the same
+  kAll,
+};
+
+inline constexpr std::size_t kNewMesh = std::numeric_limits<std::size_t>::max();
+
+/// Where a mesh comes from.
+struct MeshUpdate {
+  std::size_t was = kNewMesh;  ///< its index in the meshes of the last build() or update()
+  MeshChange change = MeshChange::kAll;
+};
+
+/// What an update did.
+struct UpdateStatistics {
+  std::size_t meshes_refitted = 0;  ///< kept their leaves, with other positions
+  std::size_t meshes_built = 0;     ///< each as a subtree of its own
+  std::size_t meshes_removed = 0;
+  std::size_t leaves_refitted = 0;
+  /// What rays have to do, in surface area (MBSAH), to what they would have in a tree built anew, as far as
+  /// that is known: 1 of a tree just built.
+  double expected_cost = 1.0;
+};
+
+/// An STBVH. Queries may run on any number of threads at once, but not beside update().
 class Structure {
  public:
   /// Builds over `meshes` (Woop et al. 2017, section 3). The tree is the same for any number of threads.
@@ -166,6 +195,19 @@ class Structure {
                                           const BuildSettings& settings = {},
                                           const BuildCallbacks& callbacks = {});
   virtual ~Structure() = default;
+
+  /// Makes it that of `meshes`, and does the work of the changes only: refits the leaves of meshes whose
+  /// positions have changed, takes out leaves of those that are gone, builds those that are new or differ
+  /// otherwise by themselves, and hangs them in. Rays are answered as by a structure built anew. One update
+  /// for each mesh; a mesh of before that none of them names is gone. The settings are those of the build;
+  /// callbacks.step_bounds is called for refitted and built meshes only.
+  ///
+  /// None: most has changed, rays would be slower than in a tree built anew by more than a tenth of their
+  /// expected cost, more than a quarter of the memory would be unused, or a limit does not allow it. Then,
+  /// and after exceptions (as build() throws them), it may only be destroyed.
+  virtual std::optional<UpdateStatistics> update(std::span<const MeshView> meshes,
+                                                 std::span<const MeshUpdate> updates,
+                                                 const BuildCallbacks& callbacks = {}) = 0;
 
   /// Closest hit in (tnear, tfar]; false, and `hit` untouched, if there is none. A ray that is not finite (or
   /// of zero direction, from a coordinate beyond 2^126, or at a time outside [0, 1]) hits nothing.
@@ -201,7 +243,7 @@ class Structure {
   /// Shows all nodes and leaves to `visitor`, from the root down; none of an empty structure.
   virtual void visit_nodes(NodeVisitor& visitor) const = 0;
 
-  /// Hash of all nodes and leaves: equal for equal trees.
+  /// Hash of all nodes and leaves: equal for equal trees that were built, and not changed since.
   virtual std::uint64_t tree_hash() const = 0;
 };
 

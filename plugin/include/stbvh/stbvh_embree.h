@@ -211,6 +211,13 @@ struct StbvhStatistics {
   size_t wantedBytes;       /**< structureBytes if it were not limited, about */
   size_t leaves;            /**< of the structure */
   size_t indexedLeaves;     /**< of them, those that read the meshes' buffers, because it is limited */
+  size_t isUpdate;          /**< 1: the last commit changed the tree that was there, 0: it built one anew */
+  size_t meshesRefitted;    /**< by it: kept their leaves, with other positions */
+  size_t meshesBuilt;       /**< by it: all, or those that were new or had other triangles, steps or times */
+  size_t meshesRemoved;     /**< by it */
+  size_t leavesRefitted;    /**< by it */
+  double expectedCost;  /**< what rays have to do, relative to a tree built anew, as far as that is known */
+  double commitSeconds; /**< that stbvhCommitGeometry took */
 };
 
 /** Sets byteSize, and all else to zero. */
@@ -227,6 +234,13 @@ static inline void stbvhInitStatistics(struct StbvhStatistics* statistics) {
   statistics->wantedBytes = 0;
   statistics->leaves = 0;
   statistics->indexedLeaves = 0;
+  statistics->isUpdate = 0;
+  statistics->meshesRefitted = 0;
+  statistics->meshesBuilt = 0;
+  statistics->meshesRemoved = 0;
+  statistics->leavesRefitted = 0;
+  statistics->expectedCost = 0.0;
+  statistics->commitSeconds = 0.0;
 }
 
 /**
@@ -326,7 +340,13 @@ STBVH_NODISCARD STBVH_API enum RTCError stbvhSetGeometryProgressFunction(StbvhGe
 
 /**
  * Builds the tree over all meshes and commits the RTCGeometry; scenes that hold it need rtcCommitScene
- * afterwards, as after rtcCommitGeometry. The old tree is freed first, so that there is never memory for two.
+ * afterwards, as after rtcCommitGeometry.
+ *
+ * After the first time only what has changed costs: meshes whose positions have changed are refitted, those
+ * that are new or have other triangles, steps or times are built by themselves, masks, IDs and filters are
+ * entered. Which those are it finds out by reading all buffers. Where rays would be slower by that than in a
+ * tree built anew, by an estimate (docs/algorithm.md), or most has changed, the old tree is freed and another
+ * built. StbvhStatistics says what was done.
  *
  * All memory is allocated through rtcNewBuffer, so the device's memory monitor is told of every byte, and the
  * temporary memory of the build is announced to it in the same way, in blocks of 1 MB and more.

@@ -1,0 +1,203 @@
+#include "edit/tree_edit.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <optional>
+#include <utility>
+
+#include "builder/mbsah.h"
+#include "builder/merged_bounds.h"
+#include "builder/motion_bounds.h"
+#include "layout/meshlet.h"
+
+namespace stbvh {
+
+namespace {
+
+constexpr std::size_t kParallelLevels = 4;  ///< nodes above visit their children at once
+constexpr std::size_t kMostBoxes = 16;      ///< that each child is held against
+
+Box4 whole_box(const LinearBounds& bounds) {
+  return united(bounds.begin, bounds.end);
+}
+
+bool overlaps(const Box4& a, const Box4& b) {
+  for (int axis = 0; axis < 3; ++axis) {
+    if (a.lower[axis] > b.upper[axis] || b.lower[axis] > a.upper[axis]) return false;
+  }
+  return true;
+}
+
+/// Steps that an inline leaf holds which is alive in `range`.
+std::size_t steps_of(const LeafHeader& leaf, const MeshRecord& mesh, const ClosedTimeRange& range) {
+  const TimeGrid& grid = mesh.grid;
+  if (grid.is_static()) return 1;
+  const float last = std::min(range.last, grid.end);
+  if (!grid.is_uneven()) return segment_at(grid, last).segment - leaf.first_segment + 2;
+  const auto segments = static_cast<std::uint32_t>(-grid.segments);
+  return segment_among(mesh.step_times, leaf.first_segment, segments - 1, last).segment - leaf.first_segment +
+         2;
+}
+
+}  // namespace
+
+LinearBounds bounds_of(const NodeSlots& node) {
+  std::array<TimedBounds, kWidth> children;
+  for (std::size_t i = 0; i < node.count; ++i) children[i] = {node.slots[i].bounds(), node.slots[i].range};
+  return merged_bounds(node.range, std::span(children).first(node.count));
+}
+
+double expected_area(const NodeSlots& node) {
+  double area = 0.0;
+  for (const NodeSlot& slot : node.used()) area += expected_area(slot.bounds(), slot.range);
+  return area;
+}
+
+TreeEdit::TreeEdit(std::byte* data, UnitSpace& space, const MeshRecord* table,
+                   std::vector<RecordEdit> records, const BuildProgress& progress)
+    : data_(data),
+      space_(space),
+      table_(table),
+      records_(std::move(records)),
+      progress_(progress),
+      bounds_(records_.size(), Box4::empty()),
+      torn_(records_.size()) {
+  for (const RecordEdit& record : records_) {
+    if (record.fate == RecordEdit::Fate::kStays) continue;
+    if (edited_.size() < kMostBoxes) {
+      edited_.push_back(record.before);
+    } else {
+      edited_.back().extend(record.before);
+    }
+  }
+}
+
+TreeEdit::Outcome TreeEdit::apply(Link root, const ClosedTimeRange& range) {
+  return visit(root, range, 0);
+}
+
+std::vector<std::uint32_t> TreeEdit::torn_records() const {
+  std::vector<std::uint32_t> result;
+  for (std::uint32_t record = 0; record < torn_.size(); ++record) {
+    if (torn_[record] != 0) result.push_back(record);
+  }
+  return result;
+}
+
+bool TreeEdit::may_hold_edits(const NodeSlot& slot) const {
+  const Box4 box = whole_box(slot.bounds());
+  return std::ranges::any_of(edited_, [&](const Box4& edited) { return overlaps(box, edited); });
+}
+
+TreeEdit::Outcome TreeEdit::visit(Link link, const ClosedTimeRange& range, std::size_t level) {
+  return kind_of(link) == LinkKind::kLeaf ? visit_leaf(link, range) : visit_node(link, range, level);
+}
+
+TreeEdit::Outcome TreeEdit::visit_leaf(Link link, const ClosedTimeRange& range) {
+  std::byte* const data = data_ + unit_of(link) * kUnitBytes;
+  LeafHeader leaf;
+  std::memcpy(&leaf, data, sizeof leaf);
+  const RecordEdit& record = records_[leaf.mesh];
+  if (record.fate == RecordEdit::Fate::kStays) return {};
+  Outcome outcome{.is_changed = true};
+  const std::size_t steps = steps_of(leaf, table_[leaf.mesh], range);
+  if (record.fate == RecordEdit::Fate::kRemoved) {
+    outcome.is_gone = true;
+    outcome.change.leaf_triangles = -std::int64_t{leaf.triangle_count};
+    leaves_removed_.fetch_add(1, std::memory_order_relaxed);
+    if (leaf.indexed != 0) {  // others may share it
+      outcome.change.indexed_leaves = -1;
+      return outcome;
+    }
+    const std::size_t units = inline_leaf_bytes(steps) / kUnitBytes;
+    outcome.change.inline_leaves = -1;
+    outcome.change.leaf_units = -static_cast<std::int64_t>(units);
+    give_back(unit_of(link), units);
+    return outcome;
+  }
+  const BuildMesh* const mesh = record.mesh;
+  const std::optional<Meshlet> meshlet = read_meshlet(leaf, mesh->view());
+  if (!meshlet) {
+    const std::scoped_lock lock(mutex_);
+    torn_[leaf.mesh] = 1;
+    return {};
+  }
+  const LinearBounds bounds = motion_bounds(*mesh, MotionSamples(*mesh, range), meshlet->used_vertices());
+  if (leaf.indexed == 0) {
+    write_inline_leaf(leaf.mesh, *meshlet, leaf.first_segment,
+                      mesh->view().steps.subspan(leaf.first_segment, steps), data);
+  }
+  outcome.slot = make_slot({bounds, range, link});
+  leaves_moved_.fetch_add(1, std::memory_order_relaxed);
+  const std::scoped_lock lock(mutex_);
+  bounds_[leaf.mesh].extend(whole_box(bounds));
+  return outcome;
+}
+
+TreeEdit::Outcome TreeEdit::visit_node(Link link, const ClosedTimeRange& range, std::size_t level) {
+  progress_.check();
+  NodeSlots node = read_node(kind_of(link), data_ + unit_of(link) * kUnitBytes, range);
+  std::array<Outcome, kWidth> outcomes;
+  std::array<bool, kWidth> visited{};
+  for (std::size_t i = 0; i < node.count; ++i) visited[i] = may_hold_edits(node.slots[i]);
+  const auto visit_child = [&](std::size_t i) {
+    if (visited[i]) outcomes[i] = visit(node.slots[i].link, node.slots[i].range, level + 1);
+  };
+  if (level < kParallelLevels) {
+    tbb::parallel_for(std::size_t{0}, node.count, visit_child);
+  } else {
+    for (std::size_t i = 0; i < node.count; ++i) visit_child(i);
+  }
+  NodeSlots edited;
+  edited.range = range;
+  TreeCounts change;
+  bool is_changed = false;
+  for (std::size_t i = 0; i < node.count; ++i) {
+    const Outcome& outcome = outcomes[i];
+    is_changed = is_changed || outcome.is_changed;
+    change.add(outcome.change);
+    if (!outcome.is_gone) edited.slots[edited.count++] = outcome.is_changed ? outcome.slot : node.slots[i];
+  }
+  return is_changed ? rewritten(link, node, edited, change) : Outcome{};
+}
+
+TreeEdit::Outcome TreeEdit::rewritten(Link link, const NodeSlots& before, const NodeSlots& after,
+                                      TreeCounts change) {
+  const std::size_t unit = unit_of(link), units = node_units(kind_of(link));
+  Outcome outcome{.is_changed = true, .change = change};
+  outcome.change.add_node(kind_of(link), before.count, -1);
+  outcome.change.expected_area -= expected_area(before);
+  if (after.count <= 1) {  // the child takes the node's place
+    give_back(unit, units);
+    outcome.is_gone = after.count == 0;
+    if (after.count == 1) outcome.slot = after.slots[0];
+    return outcome;
+  }
+  const LinkKind kind = after.kind();
+  outcome.change.add_node(kind, after.count);
+  outcome.change.expected_area += expected_area(after);
+  const std::size_t needed = node_units(kind);
+  std::size_t place = unit;
+  if (needed > units) {
+    const std::scoped_lock lock(mutex_);
+    const std::optional<std::size_t> found = space_.take(needed);
+    if (!found) throw BlockIsFull();
+    place = *found;
+    space_.give_back(unit, units);
+  } else if (needed < units) {
+    give_back(unit + needed, units - needed);
+  }
+  write_node(after, data_ + place * kUnitBytes);
+  outcome.slot = make_slot({bounds_of(after), after.range, make_link(kind, place)});
+  return outcome;
+}
+
+void TreeEdit::give_back(std::size_t unit, std::size_t units) {
+  const std::scoped_lock lock(mutex_);
+  space_.give_back(unit, units);
+}
+
+}  // namespace stbvh

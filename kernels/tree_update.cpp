@@ -1,0 +1,308 @@
+#include "tree_update.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "builder/binary_tree.h"
+#include "builder/encoder.h"
+#include "builder/mbsah.h"
+#include "builder/mesh_parts.h"
+#include "builder/step_bounds.h"
+#include "edit/insertion.h"
+#include "edit/tree_edit.h"
+
+namespace stbvh {
+
+namespace {
+
+/// Meshes of more than this share of all triangles are not built by themselves: the whole is built anew.
+constexpr double kMostBuilt = 0.5;
+/// A tree in which rays have more than this to do, in shares of what they had, is built anew.
+constexpr double kMostArea = 1.1;
+/// So is one whose block is unused to more than this share.
+constexpr double kMostUnused = 0.25;
+/// A block that must grow becomes this share larger than it must be.
+constexpr std::size_t kSpareShare = 16;
+
+constexpr std::size_t kNowhere = std::numeric_limits<std::size_t>::max();
+
+class Update {
+ public:
+  Update(StoredTree& tree, std::span<const MeshView> meshes, std::span<const MeshUpdate> updates,
+         const BuildCallbacks& callbacks)
+      : tree_(tree), meshes_(meshes), updates_(updates), callbacks_(callbacks) {
+    inner_ = callbacks;
+    inner_.progress = [this](double fraction) { return report(fraction); };
+  }
+
+  /// False where the tree should be built anew.
+  bool run() {
+    if (tree_.is_empty || tree_.settings.max_peak_bytes != kNoLimit) return false;
+    find_out();
+    if (!is_small()) return false;
+    try {
+      if (!edit_leaves() || !add_meshes()) return false;
+    } catch (const BlockIsFull&) {
+      return false;
+    }
+    refresh();
+    return is_good();
+  }
+
+  const UpdateStatistics& statistics() const { return statistics_; }
+  std::size_t peak_bytes() const { return peak_bytes_; }
+
+ private:
+  /// Two stages: what was there, what is new.
+  bool report(double fraction) {
+    reported_ = std::max(reported_, done_ + (1.0 - done_) * share_ * fraction);
+    return !callbacks_.progress || callbacks_.progress(std::min(reported_, 1.0));
+  }
+
+  /// What becomes of each record, and which meshes are to be built.
+  void find_out() {
+    std::vector<std::size_t> now(meshes_.size(), kNowhere);  // of each mesh that was there
+    std::size_t most = 0;
+    for (const MeshUpdate& update : updates_) {
+      if (update.was != kNewMesh) most = std::max(most, update.was + 1);
+    }
+    now.assign(std::max(most, now.size()), kNowhere);
+    for (std::size_t i = 0; i < updates_.size(); ++i) {
+      if (updates_[i].was != kNewMesh) now[updates_[i].was] = i;
+    }
+    index_of_record_.assign(tree_.meshes.size(), kNowhere);
+    fates_.assign(tree_.meshes.size(), RecordEdit::Fate::kStays);
+    moved_.resize(tree_.meshes.size());
+    std::vector<bool> is_new(meshes_.size());
+    for (std::size_t i = 0; i < updates_.size(); ++i) is_new[i] = updates_[i].was == kNewMesh;
+    std::vector<bool> is_gone;
+    for (std::uint32_t record = 0; record < tree_.meshes.size(); ++record) {
+      if (!tree_.meshes.entry(record).is_used) continue;
+      const std::uint32_t was = tree_.meshes.record(record).index;
+      is_gone.resize(std::max<std::size_t>(is_gone.size(), was + 1));
+      const std::size_t index = was < now.size() ? now[was] : kNowhere;
+      if (index == kNowhere) {
+        if (!is_gone[was]) ++statistics_.meshes_removed;  // its other parts are gone too
+        is_gone[was] = true;
+        fates_[record] = RecordEdit::Fate::kRemoved;
+        continue;
+      }
+      index_of_record_[record] = index;
+      if (updates_[index].change == MeshChange::kNothing) continue;
+      if (updates_[index].change == MeshChange::kPositions && moves(record, index)) {
+        fates_[record] = RecordEdit::Fate::kMoved;
+      } else {
+        fates_[record] = RecordEdit::Fate::kRemoved;
+        is_new[index] = true;
+      }
+    }
+    for (std::size_t i = 0; i < is_new.size(); ++i) {
+      if (is_new[i]) new_meshes_.push_back(i);
+    }
+  }
+
+  /// Whether the leaves can stay what they are but for their positions.
+  bool moves(std::uint32_t record, std::size_t index) {
+    const MeshEntry& entry = tree_.meshes.entry(record);
+    if (entry.is_part || entry.invalid_triangles > 0) return false;
+    // Nothing but positions may differ from what would be built now.
+    BuildContext context(tree_.settings, inner_);
+    add_mesh(context, meshes_[index], index);
+    BuildMesh& mesh = context.meshes[0];
+    if (mesh.is_part() || mesh.has_invalid_vertices() || mesh.steps_kept() != entry.kept) return false;
+    moved_[record].emplace(std::move(mesh));
+    return true;
+  }
+
+  bool is_small() const {
+    std::size_t built = 0, all = 0;
+    for (const MeshView& mesh : meshes_) all += mesh.triangle_count;
+    for (const std::size_t index : new_meshes_) built += meshes_[index].triangle_count;
+    return static_cast<double>(built) <= kMostBuilt * static_cast<double>(all);
+  }
+
+  /// False where nothing is left.
+  bool edit_leaves() {
+    share_ = 0.0;
+    BuildProgress progress(inner_);
+    progress.start();
+    std::vector<std::uint32_t> removed = records_to(RecordEdit::Fate::kRemoved);
+    if (!remove(removed, progress)) return false;
+    if (const std::vector<std::uint32_t> moved = records_to(RecordEdit::Fate::kMoved); !moved.empty()) {
+      TreeEdit edit(tree_.block.data(), tree_.space, tree_.meshes.records(),
+                    edits(moved, RecordEdit::Fate::kMoved), progress);
+      apply(edit);
+      statistics_.leaves_refitted = edit.leaves_moved();
+      for (const std::uint32_t record : moved) {
+        MeshEntry& entry = tree_.meshes.entry(record);
+        entry.bounds.extend(to_box3f(edit.bounds()[record]));
+      }
+      const std::vector<std::uint32_t> torn = edit.torn_records();
+      for (const std::uint32_t record : moved) {
+        if (std::ranges::find(torn, record) != torn.end()) continue;
+        MeshEntry& entry = tree_.meshes.entry(record);
+        entry.bounds = to_box3f(edit.bounds()[record]);
+        entry.deviation = moved_[record]->deviation();
+        ++statistics_.meshes_refitted;
+        if (callbacks_.step_bounds) {
+          const BuildMesh& mesh = *moved_[record];
+          callbacks_.step_bounds(mesh.index(), step_bounds(mesh), mesh.view().step_times);
+        }
+      }
+      for (const std::uint32_t record : torn) {
+        new_meshes_.push_back(index_of_record_[record]);
+        fates_[record] = RecordEdit::Fate::kRemoved;
+      }
+      if (!remove(torn, progress)) return false;
+      removed.insert(removed.end(), torn.begin(), torn.end());
+    }
+    for (const std::uint32_t record : removed) {
+      index_of_record_[record] = kNowhere;
+      tree_.meshes.remove(record);
+    }
+    return true;
+  }
+
+  std::vector<std::uint32_t> records_to(RecordEdit::Fate fate) const {
+    std::vector<std::uint32_t> records;
+    for (std::uint32_t record = 0; record < fates_.size(); ++record) {
+      if (fates_[record] == fate) records.push_back(record);
+    }
+    return records;
+  }
+
+  std::vector<RecordEdit> edits(std::span<const std::uint32_t> records, RecordEdit::Fate fate) const {
+    std::vector<RecordEdit> result(tree_.meshes.size());
+    for (const std::uint32_t record : records) {
+      const Box3f& box = tree_.meshes.entry(record).bounds;
+      const BuildMesh* const mesh = moved_[record] ? &*moved_[record] : nullptr;
+      result[record] = {fate, mesh, Box4{F32x4(box.lower), F32x4(box.upper)}};
+    }
+    return result;
+  }
+
+  bool remove(std::span<const std::uint32_t> records, const BuildProgress& progress) {
+    if (records.empty()) return true;
+    TreeEdit edit(tree_.block.data(), tree_.space, tree_.meshes.records(),
+                  edits(records, RecordEdit::Fate::kRemoved), progress);
+    const double before = tree_.counts.expected_area;
+    if (!apply(edit)) return false;
+    // A tree without them would have as much less to do.
+    tree_.usual_area += tree_.counts.expected_area - before;
+    return true;
+  }
+
+  bool apply(TreeEdit& edit) {
+    const TreeEdit::Outcome outcome = edit.apply(tree_.root.link, tree_.root.range);
+    if (outcome.is_gone) return false;
+    if (outcome.is_changed) tree_.root = outcome.slot;
+    tree_.counts.add(outcome.change);
+    return true;
+  }
+
+  bool add_meshes() {
+    std::ranges::sort(new_meshes_);
+    share_ = 1.0 / static_cast<double>(std::max<std::size_t>(new_meshes_.size(), 1));
+    for (std::size_t i = 0; i < new_meshes_.size(); ++i) {
+      done_ = share_ * static_cast<double>(i);
+      if (!add(new_meshes_[i])) return false;
+    }
+    return true;
+  }
+
+  bool add(std::size_t index) {
+    BuildContext context(tree_.settings, inner_);
+    add_mesh(context, meshes_[index], index);
+    BinaryTree built(context);
+    for (std::size_t i = 0; callbacks_.step_bounds && i < context.meshes.size(); ++i) {
+      const BuildMesh& mesh = context.meshes[i];
+      callbacks_.step_bounds(index, step_bounds(mesh, context.meshlets[i].meshlets()),
+                             mesh.view().step_times);
+    }
+    built.build(std::numeric_limits<double>::infinity());
+    std::vector<std::uint32_t> records;
+    for (std::size_t i = 0; i < context.meshes.size(); ++i) {
+      records.push_back(tree_.meshes.add(context, built, i));
+      index_of_record_.resize(std::max<std::size_t>(index_of_record_.size(), records[i] + 1), kNowhere);
+      index_of_record_[records[i]] = index;
+    }
+    ++statistics_.meshes_built;
+    if (built.root() == nullptr) return true;
+
+    const Encoder encoder(context, built, kNoLimit);
+    const std::optional<std::size_t> place = room_for(encoder.bytes() / kUnitBytes);
+    if (!place) return false;
+    const Link link = encoder.encode(tree_.block.data(), *place, records);
+    const NodeSlot subtree = make_slot({built.root()->bounds(), built.range(), link});
+    Insertion insertion(tree_.block.data(), tree_.space, tree_.root);
+    insertion.insert(subtree);
+    const std::size_t pushed = tree_.counts.depth + (insertion.pushes_down() ? 1 : 0);
+    tree_.root = insertion.root();
+    tree_.counts.add(insertion.change());
+    tree_.counts.add(encoder.counts());
+    tree_.counts.depth = std::max(pushed, insertion.levels() + encoder.counts().depth);
+    tree_.temporal_splits += built.temporal_splits();
+    tree_.usual_area += encoder.counts().expected_area + expected_area(built.root()->bounds(), built.range());
+    peak_bytes_ = std::max(peak_bytes_, tree_.bytes() + context.memory.peak());
+    return tree_.counts.depth <= kMaxLevels;
+  }
+
+  /// Room for a subtree of `units`, and for its insertion; none where that is too much.
+  std::optional<std::size_t> room_for(std::size_t units) {
+    const std::size_t end = tree_.space.end();
+    if (end + units + kInsertionUnits > tree_.space.capacity()) {
+      const std::size_t needed = end + units + kInsertionUnits;
+      const std::size_t capacity = std::min(needed + end / kSpareShare, kMaxUnits);
+      if (needed > capacity) return std::nullopt;
+      peak_bytes_ = std::max(peak_bytes_, tree_.bytes() + capacity * kUnitBytes);
+      tree_.block.grow(callbacks_, capacity * kUnitBytes, end * kUnitBytes);
+      tree_.space.grow_to(capacity);
+    }
+    return tree_.space.take(units);
+  }
+
+  void refresh() {
+    for (std::uint32_t record = 0; record < tree_.meshes.size(); ++record) {
+      const std::size_t index = index_of_record_[record];
+      if (index != kNowhere) tree_.meshes.refresh(record, meshes_[index], index);
+    }
+  }
+
+  /// Whether rays are about as fast as in a tree built anew, and memory is not wasted.
+  bool is_good() {
+    statistics_.expected_cost = tree_.usual_area > 0.0 ? tree_.counts.expected_area / tree_.usual_area : 1.0;
+    tree_.usual_area = std::min(tree_.usual_area, tree_.counts.expected_area);
+    peak_bytes_ = std::max(peak_bytes_, tree_.bytes());
+    const bool has_waste =
+        static_cast<double>(tree_.space.unused()) > kMostUnused * static_cast<double>(tree_.space.end());
+    return statistics_.expected_cost <= kMostArea && !has_waste && tree_.bytes() <= tree_.settings.max_bytes;
+  }
+
+  StoredTree& tree_;
+  std::span<const MeshView> meshes_;
+  std::span<const MeshUpdate> updates_;
+  const BuildCallbacks& callbacks_;
+  BuildCallbacks inner_;
+  double reported_ = 0.0, done_ = 0.0, share_ = 1.0;
+  std::vector<std::size_t> index_of_record_;  ///< in the meshes as they are now
+  std::vector<RecordEdit::Fate> fates_;
+  std::vector<std::optional<BuildMesh>> moved_;  ///< of each record
+  std::vector<std::size_t> new_meshes_;
+  UpdateStatistics statistics_;
+  std::size_t peak_bytes_ = 0;
+};
+
+}  // namespace
+
+std::optional<UpdateStatistics> update_tree(StoredTree& tree, std::span<const MeshView> meshes,
+                                            std::span<const MeshUpdate> updates,
+                                            const BuildCallbacks& callbacks, std::size_t& peak_bytes) {
+  Update update(tree, meshes, updates, callbacks);
+  if (!update.run()) return std::nullopt;
+  peak_bytes = update.peak_bytes();
+  return update.statistics();
+}
+
+}  // namespace stbvh
