@@ -27,6 +27,13 @@ class Block {
     }
     advise_huge_pages();
   }
+  /// Memory that is there, aligned to 64, given back by `release`.
+  Block(std::byte* data, std::size_t bytes, std::function<void(void*, std::size_t)> release)
+      : release_(std::move(release)), bytes_(bytes), data_(data) {}
+  Block(Block&& other) noexcept
+      : release_(std::move(other.release_)),
+        bytes_(other.bytes_),
+        data_(std::exchange(other.data_, nullptr)) {}
   ~Block() {
     if (data_ != nullptr && release_) release_(data_, bytes_);
   }

@@ -30,6 +30,7 @@ std::uint32_t MeshTable::add(const BuildContext& context, const BinaryTree& tree
   room->step_times.assign(view.step_times.begin(), view.step_times.end());
   room->kept = mesh.steps_kept();
   room->steps_given = mesh.steps_given();
+  room->time_range = view.time_range;
   room->deviation = mesh.deviation();
   room->is_part = mesh.is_part();
   room->is_used = true;
@@ -48,6 +49,13 @@ std::uint32_t MeshTable::add(const BuildContext& context, const BinaryTree& tree
                       room->step_times.data(),
                       mesh.index()};
   return number;
+}
+
+void MeshTable::restore(MeshEntry entry, const MeshRecord& record) {
+  entries_.push_back(std::move(entry));
+  records_.push_back(record);
+  records_.back().steps = entries_.back().steps.data();
+  records_.back().step_times = entries_.back().step_times.data();
 }
 
 void MeshTable::remove(std::uint32_t record) {

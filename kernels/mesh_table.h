@@ -18,6 +18,7 @@ struct MeshEntry {
   std::vector<float> step_times;        ///< empty: equidistant
   std::vector<std::size_t> kept;        ///< which of the steps given
   std::size_t steps_given = 0;
+  TimeRange time_range;           ///< of equidistant steps
   Box3f bounds = Box3f::empty();  ///< of its leaves
   std::size_t triangles = 0;      ///< valid, and alive at some time in [0, 1]
   std::size_t invalid_triangles = 0;
@@ -31,6 +32,8 @@ class MeshTable {
  public:
   /// Enters the mesh of number `i` in a build and returns the number of its record.
   std::uint32_t add(const BuildContext& context, const BinaryTree& tree, std::size_t i);
+  /// Enters what was saved of a mesh.
+  void restore(MeshEntry entry, const MeshRecord& record);
   /// No leaf may be left that names it.
   void remove(std::uint32_t record);
   /// `view` is where the mesh stands now, `index` its number; it has the steps, the times and the triangles

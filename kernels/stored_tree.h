@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
+#include <utility>
 
 #include "block.h"
 #include "builder/tree_counts.h"
@@ -14,7 +16,11 @@ namespace stbvh {
 
 struct StoredTree {
   StoredTree(const BuildSettings& with, const BuildCallbacks& callbacks, std::size_t bytes)
-      : settings(with), block(callbacks, bytes), space(bytes / kUnitBytes, bytes / kUnitBytes) {}
+      : StoredTree(with, Block(callbacks, bytes)) {}
+  StoredTree(const BuildSettings& with, Block own)
+      : settings(with),
+        block(std::move(own)),
+        space(block.bytes() / kUnitBytes, block.bytes() / kUnitBytes) {}
 
   BuildSettings settings;
   Block block;
@@ -31,5 +37,8 @@ struct StoredTree {
 
   std::size_t bytes() const { return block.bytes() + meshes.bytes(); }
 };
+
+/// A structure around a tree that was not built here.
+std::unique_ptr<Structure> structure_of(StoredTree tree, std::size_t wanted_bytes);
 
 }  // namespace stbvh

@@ -95,6 +95,14 @@ class StructureImpl final : public Structure {
     }
   }
 
+  /// A tree that was saved.
+  StructureImpl(StoredTree tree, std::size_t wanted_bytes)
+      : kernels_(kernel_table(default_isa(), tree.settings.precision)), tree_(std::move(tree)) {
+    show(tree_.is_empty ? std::vector<TimedBounds>() : root_children());
+    make_statistics(sizeof(StructureImpl) + tree_.bytes());
+    statistics_.wanted_bytes = std::max(statistics_.structure_bytes, wanted_bytes);
+  }
+
   /// What a structure takes without its nodes and leaves.
   static std::size_t bytes_beside_block(const BuildContext& context) {
     return sizeof(StructureImpl) + MeshTable::bytes_of(context.meshes);
@@ -174,6 +182,8 @@ class StructureImpl final : public Structure {
   const BuildStatistics& statistics() const override { return statistics_; }
 
   void visit_nodes(NodeVisitor& visitor) const override { walk_nodes(view_, visitor); }
+
+  const StoredTree& stored() const override { return tree_; }
 
   std::uint64_t tree_hash() const override {
     std::uint64_t hash = 0xcbf29ce484222325u ^ view_.root;
@@ -291,6 +301,10 @@ RayBatch batch_of(std::span<const Ray> rays, SideBySide<Answer>& both, const Hit
 }
 
 }  // namespace
+
+std::unique_ptr<Structure> structure_of(StoredTree tree, std::size_t wanted_bytes) {
+  return std::make_unique<StructureImpl>(std::move(tree), wanted_bytes);
+}
 
 void Structure::intersect(std::span<const Ray> rays, std::span<Hit> hits, const HitFilter* filter) const {
   for (Hit& hit : hits) hit.geom_id = kInvalidId;

@@ -220,6 +220,20 @@ RTCError stbvhCommitGeometry(StbvhGeometry geometry) {
   return guarded(geometry, [](stbvh::plugin::Geometry& g) { g.commit(); });
 }
 
+RTCError stbvhSaveGeometry(StbvhGeometry geometry, const char* file) {
+  return guarded(geometry, [&](stbvh::plugin::Geometry& g) {
+    require(file, "file");
+    g.save(file);
+  });
+}
+
+RTCError stbvhCommitSavedGeometry(StbvhGeometry geometry, const char* file) {
+  return guarded(geometry, [&](stbvh::plugin::Geometry& g) {
+    require(file, "file");
+    g.commit_saved(file);
+  });
+}
+
 RTCGeometry stbvhGetGeometry(StbvhGeometry geometry) {
   return geometry == nullptr ? nullptr : geometry->geometry.rtc_geometry();
 }

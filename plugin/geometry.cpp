@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <new>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "plugin/device_memory.h"
+#include "plugin/files/output_file.h"
+#include "stbvh/saved_structure.h"
 
 namespace stbvh::plugin {
 namespace {
@@ -74,6 +78,58 @@ void Geometry::set_progress(RTCProgressMonitorFunction progress, void* user_ptr)
 }
 
 void Geometry::commit() {
+  commit([this](std::shared_ptr<Structure> old, Committed& now, std::span<const MeshView> views,
+                BuildCallbacks callbacks, CommitReport& report) {
+    return make_structure(std::move(old), now, views, std::move(callbacks), report);
+  });
+}
+
+void Geometry::commit_saved(const char* file) {
+  commit([this, file](std::shared_ptr<Structure>, Committed& now, std::span<const MeshView> views,
+                      BuildCallbacks, CommitReport&) { return read_structure(file, now, views); });
+}
+
+void Geometry::save(const char* file) const {
+  const Published* const published = user_geometry_.published();
+  if (published == nullptr)
+    throw ApiError(RTC_ERROR_INVALID_OPERATION, "nothing has been committed that could be saved");
+  std::vector<MeshView> views;
+  for (const MeshDescription& mesh : meshes_) views.push_back(mesh.view());
+  if (fingerprints_of(views) != committed_.fingerprints)
+    throw ApiError(RTC_ERROR_INVALID_OPERATION, "meshes have changed since the last commit");
+  const std::vector<std::byte> motions = to_bytes(committed_.motions);
+  std::string bytes;
+  save_structure(*published->structure, views, {.with_buffers = false, .user_data = motions},
+                 [&](std::span<const std::byte> piece) {
+                   bytes.append(reinterpret_cast<const char*>(piece.data()), piece.size());
+                 });
+  write_file(file, bytes);
+}
+
+std::shared_ptr<Structure> Geometry::read_structure(const char* file, Committed& now,
+                                                    std::span<const MeshView> views) const {
+  const auto refuse = [&](const std::string& problem) {
+    throw ApiError(RTC_ERROR_INVALID_ARGUMENT, '"' + std::string(file) + "\" " + problem);
+  };
+  try {
+    const SavedStructure saved{std::filesystem::path(file)};
+    if (saved.settings() != now.settings) refuse("was built with other settings than this geometry has");
+    std::vector<TimeRange> time_ranges;
+    for (const MeshView& view : views) time_ranges.push_back(view.time_range);
+    std::shared_ptr<Structure> structure = saved.structure(views);
+    std::optional<MotionsOfMeshes> motions = to_motions(saved.user_data(), time_ranges);
+    if (!motions) refuse("was not written by stbvhSaveGeometry");
+    now.motions = std::move(*motions);
+    return structure;
+  } catch (const BadStructureFile& error) {
+    refuse(error.what());
+  } catch (const std::system_error& error) {
+    refuse("cannot be read: " + error.code().message());
+  }
+  return nullptr;
+}
+
+void Geometry::commit(const MakeStructure& make) {
   const auto start = std::chrono::steady_clock::now();
   std::shared_ptr<Structure> structure;
   if (user_geometry_.published() != nullptr) structure = user_geometry_.published()->structure;
@@ -97,7 +153,7 @@ void Geometry::commit() {
   Committed now{settings_, fingerprints_of(views), {}};
   CommitReport report;
   try {
-    structure = make_structure(std::move(structure), now, views, build_callbacks(temporary_memory), report);
+    structure = make(std::move(structure), now, views, build_callbacks(temporary_memory), report);
   } catch (const BuildCancelled&) {
     if (temporary_memory.refused()) throw std::bad_alloc();
     throw ApiError(RTC_ERROR_CANCELLED, "the progress function cancelled the build");

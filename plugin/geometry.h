@@ -1,6 +1,7 @@
 /// The set of meshes behind an StbvhGeometry, its tree and its RTCGeometry.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -9,8 +10,9 @@
 
 #include "plugin/linked_embree.h"
 #include "plugin/mesh_description.h"
-#include "plugin/mesh_fingerprint.h"
+#include "plugin/saved_motions.h"
 #include "plugin/user_geometry.h"
+#include "stbvh/mesh_fingerprint.h"
 
 namespace stbvh::plugin {
 
@@ -45,6 +47,10 @@ class Geometry {
   /// Builds the tree, or changes it where meshes have changed, and commits the RTCGeometry. On an exception
   /// the geometry is empty, and committed so.
   void commit();
+  /// The same with the tree of a file that save() wrote: nothing is built.
+  void commit_saved(const char* file);
+  /// Writes the tree that the last commit made. Throws OutputFileError too.
+  void save(const char* file) const;
 
   /// What the last commit did, or null after one that failed.
   const CommitReport* report() const { return report_ ? &*report_ : nullptr; }
@@ -59,9 +65,17 @@ class Geometry {
   struct Committed {
     BuildSettings settings;
     std::vector<MeshFingerprint> fingerprints;
-    std::vector<std::vector<MeshMotion>> motions;  ///< of each mesh, by parts
+    MotionsOfMeshes motions;
   };
 
+  /// Makes `now.motions` too.
+  using MakeStructure = std::function<std::shared_ptr<Structure>(
+      std::shared_ptr<Structure> old, Committed& now, std::span<const MeshView> views,
+      BuildCallbacks callbacks, CommitReport& report)>;
+
+  void commit(const MakeStructure& make);
+  std::shared_ptr<Structure> read_structure(const char* file, Committed& now,
+                                            std::span<const MeshView> views) const;
   std::shared_ptr<Structure> make_structure(std::shared_ptr<Structure> old, Committed& now,
                                             std::span<const MeshView> views, BuildCallbacks callbacks,
                                             CommitReport& report);

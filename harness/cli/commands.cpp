@@ -31,7 +31,7 @@ void run_list(const ListOptions& options) {
       fmt::print("{:<25} {}\n", family.name, family.description);
     return;
   }
-  fmt::print("scenes (or a .glb, .gltf, .xml or .ecs file, or .obj files)\n");
+  fmt::print("scenes (or a .glb, .gltf, .xml, .ecs or .stbvh file, or .obj files)\n");
   for (const ProceduralScene& scene : procedural_scenes()) {
     fmt::print("  {:<17} {} (default scale {})\n", scene.name, scene.description, scene.default_scale);
   }
@@ -66,6 +66,8 @@ constexpr Command kCommands[] = {
      "with threads"},
     {"edits", edits_command,
      "What a change of the scene costs: commit time and speed after random edits, against building anew"},
+    {"frames", frames_command,
+     "Many frames of an animation in one structure, against a structure for each frame"},
     {"charts", charts_command,
      "Draw the records of bench and scaling: speed, bytes, build time (needs python3-matplotlib)"},
     {"results", results_command,
@@ -78,6 +80,7 @@ constexpr Command kCommands[] = {
      "Compare motion blur with the mean of renderings at frozen times; the default scene is wheels"},
     {"report", report_command,
      "One page of everything in one file: figures, charts, pictures, how to make them again"},
+    {"build", build_command, "Write a scene with its structure, built once, to a file that --scenes takes"},
     {"convert", convert_command, "Write a scene as XML that Embree's pathtracer and viewer show"},
 };
 

@@ -36,7 +36,8 @@ Work pareto_command(CLI::App& app);
 Work scaling_command(CLI::App& app);
 /// Throws WrongAnswers as `error` does, where an updated structure answers otherwise than one built anew.
 Work edits_command(CLI::App& app);
-/// Draws the records of bench, scaling and edits; prints the files' names. Throws ScriptFailure.
+Work frames_command(CLI::App& app);
+/// Draws the records of bench, scaling, edits and frames; prints the files' names. Throws ScriptFailure.
 Work charts_command(CLI::App& app);
 /// Writes a page of the records of several machines. Throws ScriptFailure.
 Work results_command(CLI::App& app);
@@ -51,6 +52,8 @@ Work truth_command(CLI::App& app);
 /// Runs the other commands for what is not there yet, then writes the page. Throws WrongAnswers after that
 /// where a structure of ours was wrong, ScriptFailure where a command failed, which has said why.
 Work report_command(CLI::App& app);
+/// Writes a scene with its structure, for --scenes.
+Work build_command(CLI::App& app);
 /// Writes a scene as XML for Embree's own tools; prints the files' names.
 Work convert_command(CLI::App& app);
 

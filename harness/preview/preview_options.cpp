@@ -30,10 +30,10 @@ void choose_structures(const std::vector<std::string>& asked, std::vector<std::s
 }
 
 void add_options(CLI::App& app, PreviewOptions& o, RenderSettings& window) {
-  app.add_option(
-         "scene", o.scene,
-         "Name of a built-in scene (see stbvh-ab list), .glb, .gltf, .xml (Embree's) or .ecs file, or .obj "
-         "files (walk_%04d.obj, or a folder)")
+  app.add_option("scene", o.scene,
+                 "Name of a built-in scene (see stbvh-ab list), .glb, .gltf, .xml (Embree's), .ecs or .stbvh "
+                 "file, or .obj "
+                 "files (walk_%04d.obj, or a folder)")
       ->capture_default_str();
   add_making_options(app, o);
   o.structures = {"stbvh-direct", "embree"};

@@ -182,7 +182,8 @@ void add_scene_options(CLI::App& app, SceneOptions& s) {
   const std::size_t first = app.get_options().size();
   app.add_option_function<std::vector<std::string>>(
          "--scenes", [&s](const auto& asked) { s.scenes = named_scenes(asked); },
-         "Names of built-in scenes (see list), paper (its six), all, .glb, .gltf, .xml (Embree's) and .ecs "
+         "Names of built-in scenes (see list), paper (its six), all, .glb, .gltf, .xml (Embree's), .ecs and "
+         ".stbvh "
          "files, or .obj files (one for each step: walk_%04d.obj, or a folder); separated by commas")
       ->delimiter(',')
       ->default_str("[paper]");

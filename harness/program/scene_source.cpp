@@ -16,6 +16,7 @@
 #include "harness/scenes/obj/obj_sequence.h"
 #include "harness/scenes/procedural/procedural.h"
 #include "harness/scenes/resampled.h"
+#include "harness/scenes/saved/saved_scene.h"
 #include "harness/scenes/vec3.h"
 #include "harness/structures/structure_under_test.h"
 
@@ -40,7 +41,8 @@ bool is_embree_file(const std::string& name) {
 }
 
 bool is_file_name(const std::string& name) {
-  return extension_of(name) == ".glb" || extension_of(name) == ".gltf" || is_embree_file(name);
+  return extension_of(name) == ".glb" || extension_of(name) == ".gltf" || extension_of(name) == ".stbvh" ||
+         is_embree_file(name);
 }
 
 /// Before anything is printed or measured. What else is wrong with it, its reader says.
@@ -55,6 +57,8 @@ void check_reachable(const std::string& name) {
 SceneSource file_source(const std::string& name, const GltfOptions& gltf) {
   check_reachable(name);
   const std::string stem = std::filesystem::path(name).stem().string();
+  if (extension_of(name) == ".stbvh")
+    return {stem, [=] { return checked(load_saved(name, print_warning), stem); }};
   if (is_embree_file(name))
     return {stem, [=] { return checked(load_embree_xml(name, print_warning), stem); }};
   return {stem, [=] { return checked(load_gltf(name, gltf, print_warning), stem); }};
@@ -111,6 +115,9 @@ void print_warning(const std::string& sentence) {
 
 Scene handed_over(Scene scene, const Resampling& resampling, double tolerance, const MemoryBudget& budget) {
   if (resampling.steps > 0) scene = resampled(std::move(scene), resampling.steps, resampling.places);
+  if (scene.saved != nullptr && tolerance == 0 && !budget.bytes && !budget.share)
+    return scene;  // as it was built
+  scene.saved = nullptr;
   scene.tolerance = static_cast<float>(tolerance * diagonal(scene));
   scene.max_bytes = bytes_of(budget, scene);
   return scene;

@@ -16,7 +16,7 @@ from chart_tools import finish, log_scale, plt, save, styles, whiskers
 from record_files import check_distinct, distinct, fail, grouped, make_folder, read_records, run
 
 REFERENCE = "embree"
-KINDS = ("build", "speed", "summary", "scaling", "edit", "truth")  # of records that are drawn here
+KINDS = ("build", "speed", "summary", "scaling", "edit", "frames", "truth")  # of records that are drawn here
 PANELS_ABREAST = 3
 PANEL_WIDTH = 3.6  # inches, beside the names
 NAME_WIDTH = 1.5
@@ -270,6 +270,35 @@ def draw_edits(records):
     return figure
 
 
+def draw_frames(records):
+    """Records of kind "frames" of one scene: what a frame costs, by its rays."""
+    counts = distinct(r["frames"] for r in records)
+    structures = names(records)
+    style = styles(structures)
+    legend_height = legend_height_of(structures)
+    figure, panels = plt.subplots(1, len(counts), figsize=(4.8 * len(counts), 3.6 + legend_height), squeeze=False)
+    rays = [10 ** (4 + 0.25 * i) for i in range(21)]
+    for axes, frames in zip(panels.flat, counts):
+        for r in (r for r in records if r["frames"] == frames):
+            colour = style[r["structure"]]["color"]
+            one = [r["build_s"] / frames + n / (1e6 * r["mrays_per_s"]) for n in rays]
+            each = [r["frame_build_s"] + n / (1e6 * r["frame_mrays_per_s"]) for n in rays]
+            axes.plot(rays, one, color=colour, label=r["structure"], linewidth=1)
+            axes.plot(rays, each, color=colour, linestyle=":", linewidth=1)
+            if rays[0] < r["crossover_rays"] < rays[-1]:
+                n = r["crossover_rays"]
+                axes.plot([n], [r["build_s"] / frames + n / (1e6 * r["mrays_per_s"])], "o", color=colour, markersize=4)
+        axes.set_xscale("log")
+        log_scale(axes)
+        axes.set_title(f"{frames} frames")
+        axes.set_xlabel("rays of a frame")
+        axes.set_ylabel("seconds for a frame, building and tracing")
+    draw_legend(figure, panels)
+    finish(figure, records, f'{records[0]["scene"]}: one structure for all frames, or one for each',
+           "lines: one for all; dotted: one for each; circles: from here on one for each is cheaper", legend_height)
+    return figure
+
+
 def draw_truth(records):
     """Records of kind "truth": RMSE against the samples, beside the line of pure noise."""
     shown = sorted(records, key=lambda r: r["samples_per_pixel"])
@@ -307,6 +336,8 @@ def charts(records):
         yield f"scaling-{over}-{scene}", lambda group=group, draw=draw: draw(group)
     for (scene,), group in grouped(kinds["edit"], "scene").items():
         yield f"edits-{scene}", lambda group=group: draw_edits(group)
+    for (scene,), group in grouped(kinds["frames"], "scene").items():
+        yield f"frames-{scene}", lambda group=group: draw_frames(group)
     if kinds["truth"]:
         yield "truth", lambda: draw_truth(kinds["truth"])
 
@@ -344,7 +375,7 @@ def main():
         print(path, flush=True)
         drawn += 1
     if drawn == 0:
-        fail("There is nothing to draw: no records of bench with embree among the structures, nor of scaling or edits.")
+        fail("There is nothing to draw: no records of bench with embree among the structures, nor of scaling, edits or frames.")
 
 
 if __name__ == "__main__":

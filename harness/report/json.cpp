@@ -186,6 +186,25 @@ Json to_record(const EditResult& r) {
   return record;
 }
 
+Json to_record(const FramesResult& r) {
+  return {{"kind", "frames"},
+          {"scene", r.scene},
+          {"structure", r.structure},
+          {"frames", r.frames},
+          {"triangles", r.triangles},
+          {"threads", r.threads},
+          {"build_s", r.build_s},
+          {"bytes", r.bytes},
+          {"buffer_bytes", r.buffer_bytes},
+          {"frame_build_s", r.frame_build_s},
+          {"frame_bytes", r.frame_bytes},
+          {"mrays_per_s", r.mrays_per_s},
+          {"frame_mrays_per_s", r.frame_mrays_per_s},
+          {"traced", r.traced},
+          {"differing", r.differing},
+          {"crossover_rays", r.crossover_rays()}};
+}
+
 Json to_figures(const Comparison& c) {
   Json worst = Json::array();
   for (const PixelDifference& d : c.worst) {
@@ -266,6 +285,7 @@ std::string to_json(const Report& report, const Machine& machine, const std::str
   for (const SummaryResult& r : report.summaries) records.push_back(to_record(r));
   for (const ScalingResult& r : report.scalings) records.push_back(to_record(r));
   for (const EditResult& r : report.edits) records.push_back(to_record(r));
+  for (const FramesResult& r : report.frames) records.push_back(to_record(r));
   for (const CompareResult& r : report.compares) records.push_back(to_record(r));
   for (const RenderResult& r : report.renders) records.push_back(to_record(r));
   for (const TruthResult& r : report.truths) records.push_back(to_record(r));

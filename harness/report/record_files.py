@@ -143,7 +143,7 @@ def grouped(records, *keys):
 
 
 # What a record is about: no two may agree in all of these.
-IDENTITY = ("kind", "scene", "family", "structure", "reference", "measure", "rays", "threads", "over", "value", "edit",
+IDENTITY = ("kind", "scene", "family", "structure", "reference", "measure", "rays", "threads", "over", "value", "edit", "frames",
             "samples_per_pixel")
 
 

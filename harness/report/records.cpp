@@ -30,4 +30,11 @@ double rate_bound_95(std::size_t count, std::size_t n) {
   return std::min(1.0, k * root * root * root / static_cast<double>(n));
 }
 
+double FramesResult::crossover_rays() const {
+  const double set_up = frame_build_s - build_s / static_cast<double>(frames);  // that one for all saves
+  const double of_a_ray = 1e-6 / mrays_per_s - 1e-6 / frame_mrays_per_s;        // that it costs more
+  if (of_a_ray <= 0) return set_up >= 0 ? -1 : 0;
+  return std::max(set_up / of_a_ray, 0.0);
+}
+
 }  // namespace stbvh::harness

@@ -161,6 +161,27 @@ struct EditResult {
   std::optional<Spread> speed{};  ///< relative to the structure built anew
 };
 
+/// A structure over all frames of an animation against one for each.
+struct FramesResult {
+  std::string scene;
+  std::string structure;
+  std::size_t frames = 0;
+  std::size_t triangles = 0;
+  unsigned threads = 0;
+  double build_s = 0;            ///< of the one over all frames
+  std::size_t bytes = 0;         ///< likewise
+  std::size_t buffer_bytes = 0;  ///< of all frames
+  double frame_build_s = 0;      ///< of one for a frame
+  std::size_t frame_bytes = 0;
+  double mrays_per_s = 0;  ///< through the one over all frames, geometric mean over frames and kinds of rays
+  double frame_mrays_per_s = 0;
+  std::size_t traced = 0;
+  std::size_t differing = 0;  ///< answered otherwise by the two
+
+  /// Rays of a frame from which on a structure for each frame costs less time; negative: never, 0: always.
+  double crossover_rays() const;
+};
+
 /// A structure against a reference over all scenes of a run that hold both.
 struct SummaryResult {
   std::string structure;
@@ -228,6 +249,7 @@ struct Report {
   std::vector<SummaryResult> summaries;
   std::vector<ScalingResult> scalings;
   std::vector<EditResult> edits;
+  std::vector<FramesResult> frames;
   std::vector<CompareResult> compares;
   std::vector<RenderResult> renders;
   std::vector<TruthResult> truths;

@@ -41,6 +41,9 @@ std::string pareto_table(const std::vector<ParetoResult>& points);
 /// One line for each structure and value of a scaling run.
 std::string scaling_table(const std::vector<ScalingResult>& results);
 
+/// One structure over all frames against one for each.
+std::string frames_table(const std::vector<FramesResult>& results);
+
 /// Commits and speed of each structure by kind of edit.
 std::string edits_table(const std::vector<EditResult>& results);
 

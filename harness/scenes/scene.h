@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -10,6 +11,10 @@
 
 #include "stbvh/mesh_view.h"
 #include "stbvh/vec.h"
+
+namespace stbvh {
+class SavedStructure;
+}
 
 namespace stbvh::harness {
 
@@ -124,6 +129,8 @@ struct Scene {
   float tolerance = 0.0f;
   /// That structures that can may take; empty: as many as they like.
   std::optional<std::size_t> max_bytes;
+  /// Of a file with a structure over these very meshes: structures that can need not be built.
+  std::shared_ptr<const SavedStructure> saved;
 
   std::size_t triangle_count() const;
   /// Sum over triangles of max(segments, 1).

@@ -2,40 +2,42 @@
 
 #include <algorithm>
 
+#include "harness/scenes/scene_views.h"
 #include "harness/structures/build_meter.h"
+#include "stbvh/saved_structure.h"
 
 namespace stbvh::harness {
+
+namespace {
+
+/// The structure that the scene came with, if it is still that of its meshes; or null.
+std::unique_ptr<Structure> saved_structure(const Scene& scene, const SceneViews& views) {
+  if (scene.saved == nullptr) return nullptr;
+  try {
+    return scene.saved->structure(views.meshes());
+  } catch (const BadStructureFile&) {
+    return nullptr;
+  }
+}
+
+}  // namespace
 
 StbvhDirect::StbvhDirect(const Scene& scene, const BuildSettings& settings, unsigned threads,
                          const BuildProgress& progress, std::optional<Isa> isa)
     : isa_(isa) {
   const BuildMeter meter(threads);
-  std::vector<std::vector<VertexBufferView>> steps(scene.meshes.size());
-  std::vector<MeshView> views;
-  views.reserve(scene.meshes.size());
-  for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
-    const Mesh& mesh = scene.meshes[i];
-    for (const VertexBuffer& step : mesh.steps) {
-      steps[i].push_back({.data = step.data(), .count = step.size(), .stride = sizeof(Vec3f)});
-    }
-    views.push_back({.indices = mesh.indices.data(),
-                     .triangle_count = mesh.triangle_count(),
-                     .index_stride = 3 * sizeof(std::uint32_t),
-                     .steps = steps[i],
-                     .time_range = mesh.time_range,
-                     .step_times = mesh.step_times,
-                     .mask = mesh.mask,
-                     .geom_id = static_cast<std::uint32_t>(i)});
-  }
+  const SceneViews views(scene);
   BuildSettings of_scene = settings;
   of_scene.tolerance = scene.tolerance;
   of_scene.max_bytes = std::min(settings.max_bytes, scene.max_bytes.value_or(kNoLimit));
   const auto build = [&] {
-    structure_ = Structure::build(
-        views, of_scene, {.allocate = {}, .release = {}, .temporary_memory = {}, .progress = progress});
+    structure_ =
+        Structure::build(views.meshes(), of_scene,
+                         {.allocate = {}, .release = {}, .temporary_memory = {}, .progress = progress});
   };
   try {
-    build();
+    if (settings == BuildSettings{}) structure_ = saved_structure(scene, views);
+    if (structure_ == nullptr) build();
   } catch (const MemoryLimit& limit) {
     if (settings.max_bytes != kSmallest) throw OverLimit(limit.what());
     of_scene.max_bytes = limit.needed_bytes;

@@ -22,7 +22,9 @@ const MeshView& checked(const MeshView& view, std::size_t index) {
   return view;
 }
 
-TimeGrid grid_of(const MeshView& view) {
+}  // namespace
+
+TimeGrid time_grid_of(const MeshView& view) {
   constexpr float inf = std::numeric_limits<float>::infinity();
   if (view.steps.size() == 1) return {-inf, inf, inf, 0.0f};
   const auto segments = static_cast<float>(view.steps.size() - 1);
@@ -33,6 +35,8 @@ TimeGrid grid_of(const MeshView& view) {
   const TimeRange range{normal_time(view.time_range.begin), normal_time(view.time_range.end)};
   return {range.begin, range.end, range.end - range.begin, segments};
 }
+
+namespace {
 
 bool is_equidistant(const std::vector<std::size_t>& steps) {
   for (std::size_t i = 2; i < steps.size(); ++i) {
@@ -96,7 +100,7 @@ void BuildMesh::make_grid() {
     times_.clear();
     view_.step_times = {};
   }
-  grid_ = grid_of(view_);
+  grid_ = time_grid_of(view_);
   if (grid_.is_uneven()) {
     boundaries_.assign(times_.begin() + 1, times_.end() - 1);
     return;

@@ -107,6 +107,9 @@ class BuildMesh {
   std::vector<bool> invalid_vertices_;  ///< empty: all are valid
 };
 
+/// Of steps over their times, or equidistant over their time range; of one, static.
+TimeGrid time_grid_of(const MeshView& view);
+
 /// The smallest float t with segment_at(grid, t) >= segment, for 0 < segment < S.
 float first_time_of_segment(const TimeGrid& grid, std::uint32_t segment);
 

@@ -31,7 +31,8 @@ bool overlaps(const Box4& a, const Box4& b) {
   return true;
 }
 
-/// Steps that an inline leaf holds which is alive in `range`.
+}  // namespace
+
 std::size_t steps_of(const LeafHeader& leaf, const MeshRecord& mesh, const ClosedTimeRange& range) {
   const TimeGrid& grid = mesh.grid;
   if (grid.is_static()) return 1;
@@ -41,8 +42,6 @@ std::size_t steps_of(const LeafHeader& leaf, const MeshRecord& mesh, const Close
   return segment_among(mesh.step_times, leaf.first_segment, segments - 1, last).segment - leaf.first_segment +
          2;
 }
-
-}  // namespace
 
 LinearBounds bounds_of(const NodeSlots& node) {
   std::array<TimedBounds, kWidth> children;

@@ -73,6 +73,9 @@ class TreeEdit {
 
 /// Linear bounds of a node over `range`.
 LinearBounds bounds_of(const NodeSlots& node);
+/// Steps that an inline leaf holds which is alive in `range`.
+std::size_t steps_of(const LeafHeader& leaf, const MeshRecord& mesh, const ClosedTimeRange& range);
+
 /// Of all children of a node.
 double expected_area(const NodeSlots& node);
 

@@ -140,13 +140,13 @@ std::vector<Group::Built> Group::look_at(const std::vector<Member>& members, std
                                          std::vector<MeshUpdate>& updates) const {
   std::unordered_map<const TrackedGeometry*, std::size_t> was;
   for (std::size_t i = 0; i < members_.size(); ++i) was.emplace(members_[i].member.mesh.get(), i);
-  const std::vector<plugin::MeshFingerprint> fingerprints = plugin::fingerprints_of(views);
+  const std::vector<MeshFingerprint> fingerprints = fingerprints_of(views);
   std::vector<Built> built(members.size());
   for (std::size_t i = 0; i < members.size(); ++i) {
     const auto before = was.find(members[i].mesh.get());
     if (before != was.end()) {
       built[i] = members_[before->second];
-      updates[i] = {before->second, plugin::change_between(built[i].fingerprint, fingerprints[i])};
+      updates[i] = {before->second, change_between(built[i].fingerprint, fingerprints[i])};
       was.erase(before);  // a geometry may be attached twice
     }
     built[i].member = members[i];

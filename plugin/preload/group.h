@@ -7,12 +7,12 @@
 #include <span>
 #include <vector>
 
-#include "plugin/mesh_fingerprint.h"
 #include "plugin/preload/linear_scene_bounds.h"
 #include "plugin/preload/real_embree.h"
 #include "plugin/preload/tracked_device.h"
 #include "plugin/preload/tracked_geometry.h"
 #include "plugin/user_geometry.h"
+#include "stbvh/mesh_fingerprint.h"
 
 namespace stbvh::preload {
 
@@ -82,7 +82,7 @@ class Group {
   /// A member, with what its mesh was when it was built.
   struct Built {
     Member member;
-    plugin::MeshFingerprint fingerprint;
+    MeshFingerprint fingerprint;
     LinearBox box;  ///< that it shows
     bool moves;
   };

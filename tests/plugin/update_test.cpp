@@ -1,6 +1,9 @@
 // Changes after the first commit.
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
+#include <cstdio>
 #include <cstring>
 #include <string>
 
@@ -235,6 +238,68 @@ TEST(PluginEdits, RandomSequencesAnswerAsNew) {
   EXPECT_EQ(watch.bytes, 0);
   EXPECT_GT(updates, 150u);
   EXPECT_GT(failures, 20u);
+}
+
+TEST_F(PluginUpdates, SavedTreesAreThereAgain) {
+  const std::string file = testing::TempDir() + "saved_" + std::to_string(getpid()) + ".stbvh";
+  ASSERT_EQ(stbvhSaveGeometry(geometry_.get(), file.c_str()), RTC_ERROR_NONE);
+  const StbvhStatistics built = statistics_of(geometry_);
+
+  const auto new_geometry = [&] {
+    OwnGeometry geometry(stbvhNewGeometry(device_.get()));
+    for (unsigned i = 0; i < meshes_.size(); ++i) {
+      std::vector<const void*> pointers;
+      StbvhMeshArguments arguments = arguments_of(meshes_[i], pointers);
+      arguments.geomID = i;
+      EXPECT_EQ(stbvhAddMesh(geometry.get(), &arguments, nullptr), RTC_ERROR_NONE);
+    }
+    return geometry;
+  };
+  const OwnGeometry again = new_geometry();
+  EXPECT_EQ(stbvhSaveGeometry(again.get(), file.c_str()), RTC_ERROR_INVALID_OPERATION);  // not committed
+  ASSERT_EQ(stbvhCommitSavedGeometry(again.get(), file.c_str()), RTC_ERROR_NONE);
+  EXPECT_EQ(statistics_of(again).triangles, built.triangles);
+  EXPECT_EQ(statistics_of(again).structureBytes, built.structureBytes);
+  const Scene scene = new_scene(device_);
+  rtcAttachGeometryByID(scene.get(), stbvhGetGeometry(again.get()), 1000);
+  rtcCommitScene(scene.get());
+  const Scene native = new_scene(device_);
+  for (unsigned i = 0; i < meshes_.size(); ++i)
+    rtcAttachGeometryByID(native.get(), native_geometry(device_, meshes_[i]).get(), i);
+  rtcCommitScene(native.get());
+  expect_same_hits(native.get(), scene.get(), 1500, 3);
+
+  // It is changed as any other.
+  for (auto& step : meshes_[0].steps) {
+    for (Position& p : step) p.z += 0.05f;
+  }
+  ASSERT_EQ(stbvhCommitGeometry(again.get()), RTC_ERROR_NONE);
+  EXPECT_EQ(statistics_of(again).isUpdate, 1u);
+  rtcCommitScene(scene.get());
+  const Scene moved = new_scene(device_);
+  for (unsigned i = 0; i < meshes_.size(); ++i)
+    rtcAttachGeometryByID(moved.get(), native_geometry(device_, meshes_[i]).get(), i);
+  rtcCommitScene(moved.get());
+  expect_same_hits(moved.get(), scene.get(), 1500, 4);
+
+  const auto refused = [&](const OwnGeometry& geometry, const std::string& name, const std::string& problem) {
+    EXPECT_EQ(stbvhCommitSavedGeometry(geometry.get(), name.c_str()), RTC_ERROR_INVALID_ARGUMENT);
+    EXPECT_NE(std::string(stbvhGetErrorMessage(geometry.get())).find(problem), std::string::npos)
+        << stbvhGetErrorMessage(geometry.get());
+    EXPECT_EQ(statistics_of(geometry).triangles, 0u);
+  };
+  refused(again, file, "is of meshes that differ from these");
+  refused(again, file + "x", "cannot be read");
+  const OwnGeometry other = new_geometry();
+  ASSERT_EQ(stbvhSetGeometryTolerance(other.get(), 1.0f), RTC_ERROR_NONE);
+  refused(other, file, "other settings");
+  EXPECT_EQ(stbvhSaveGeometry(geometry_.get(), file.c_str()),
+            RTC_ERROR_INVALID_OPERATION);  // a mesh has changed
+  EXPECT_EQ(stbvhSaveGeometry(geometry_.get(), nullptr), RTC_ERROR_INVALID_ARGUMENT);
+  EXPECT_EQ(stbvhCommitSavedGeometry(nullptr, file.c_str()), RTC_ERROR_INVALID_ARGUMENT);
+  ASSERT_EQ(stbvhCommitGeometry(geometry_.get()), RTC_ERROR_NONE);
+  EXPECT_EQ(stbvhSaveGeometry(geometry_.get(), "/no/such/folder/file.stbvh"), RTC_ERROR_UNKNOWN);
+  std::remove(file.c_str());
 }
 
 }  // namespace

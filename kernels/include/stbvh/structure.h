@@ -159,6 +159,8 @@ struct TraversalCounters {
   std::uint64_t triangle_tests = 0;
 };
 
+struct StoredTree;
+
 /// How a mesh differs from the one that a structure holds.
 enum class MeshChange : std::uint8_t {
   kNothing,    ///< in its mask and geom_id at most; its buffers may lie elsewhere
@@ -242,6 +244,9 @@ class Structure {
 
   /// Shows all nodes and leaves to `visitor`, from the root down; none of an empty structure.
   virtual void visit_nodes(NodeVisitor& visitor) const = 0;
+
+  /// The tree itself, for save_structure().
+  virtual const StoredTree& stored() const = 0;
 
   /// Hash of all nodes and leaves: equal for equal trees that were built, and not changed since.
   virtual std::uint64_t tree_hash() const = 0;

@@ -359,6 +359,25 @@ STBVH_NODISCARD STBVH_API enum RTCError stbvhSetGeometryProgressFunction(StbvhGe
 STBVH_NODISCARD STBVH_API enum RTCError stbvhCommitGeometry(StbvhGeometry geometry);
 
 /**
+ * Writes the tree that the last commit made to a file, which appears whole or not at all; the meshes' buffers
+ * do not go into it, but hashes of what they hold. RTC_ERROR_INVALID_OPERATION: nothing is committed, or a
+ * mesh has changed since; RTC_ERROR_UNKNOWN: the file cannot be written.
+ */
+STBVH_NODISCARD STBVH_API enum RTCError stbvhSaveGeometry(StbvhGeometry geometry, const char* file);
+
+/**
+ * As stbvhCommitGeometry with the tree of a file that stbvhSaveGeometry wrote: nothing is built. Meshes with
+ * the same contents in the same order must have been added, and the same settings made; masks, IDs and
+ * filters are as they are now. The file is mapped, not read: the monitor is not told of its bytes, and it
+ * must not be changed while the geometry uses it (writing a new one in its place is all right). It is checked
+ * whole first.
+ *
+ * RTC_ERROR_INVALID_ARGUMENT: there is no such file, it is truncated, damaged, of another version, of other
+ * meshes or other settings; stbvhGetErrorMessage says which, and the geometry is empty.
+ */
+STBVH_NODISCARD STBVH_API enum RTCError stbvhCommitSavedGeometry(StbvhGeometry geometry, const char* file);
+
+/**
  * The geometry to attach: RTC_GEOMETRY_TYPE_USER with one primitive. Any number of scenes may hold it, also
  * scenes that are instanced. The reference is borrowed: rtcRetainGeometry it to keep it beyond the handle.
  *

@@ -1,4 +1,4 @@
-#include "plugin/mesh_fingerprint.h"
+#include "stbvh/mesh_fingerprint.h"
 
 #include <tbb/parallel_for.h>
 
@@ -10,7 +10,7 @@
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
-namespace stbvh::plugin {
+namespace stbvh {
 namespace {
 
 constexpr std::size_t kElementBytes = 12;  ///< of a vertex, and of a triangle's indices
@@ -114,4 +114,4 @@ MeshChange change_between(const MeshFingerprint& before, const MeshFingerprint& 
   return before.positions == now.positions ? MeshChange::kNothing : MeshChange::kPositions;
 }
 
-}  // namespace stbvh::plugin
+}  // namespace stbvh

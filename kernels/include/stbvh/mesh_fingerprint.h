@@ -1,14 +1,15 @@
-/// Telling which meshes have changed since the last commit: applications write into their buffers, and say no
-/// more than that they commit.
+/// Telling meshes by what their buffers hold: which have changed since a build, which are those of a saved
+/// structure.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
 
 #include "stbvh/structure.h"
 
-namespace stbvh::plugin {
+namespace stbvh {
 
 /// Of 128 bits, from what it stands for.
 struct ContentHash {
@@ -20,6 +21,8 @@ struct ContentHash {
 struct MeshFingerprint {
   ContentHash shape;      ///< triangles, times, counts
   ContentHash positions;  ///< of all steps
+
+  bool operator==(const MeshFingerprint&) const = default;
 };
 
 /// Reads all buffers, on all threads.
@@ -27,4 +30,4 @@ std::vector<MeshFingerprint> fingerprints_of(std::span<const MeshView> meshes);
 
 MeshChange change_between(const MeshFingerprint& before, const MeshFingerprint& now);
 
-}  // namespace stbvh::plugin
+}  // namespace stbvh
