@@ -31,21 +31,27 @@ struct BytePrice {
   float of_bytes(std::size_t bytes) const { return area_per_byte * static_cast<float>(bytes); }
 };
 
-/// A leaf against the two halves of its time, each with a leaf of its own.
+/// A leaf against the parts of its time, two or more, each with a leaf of its own.
 struct SplitCosts {
   float whole_area;  ///< expected
   float whole;
-  float halves_area = 0.0f;
-  float halves = 0.0f;
+  float parts_area = 0.0f;
+  float parts = 0.0f;
+  std::size_t more_leaves = 1;
 
-  void add_half(const BytePrice& price, float expected_area, std::size_t steps) {
+  void add_part(const BytePrice& price, float expected_area, std::size_t steps) {
     if (steps == 0) return;  // not alive then
-    halves_area += expected_area;
-    halves += price.of_leaf(expected_area, steps);
+    parts_area += expected_area;
+    parts += price.of_leaf(expected_area, steps);
   }
   bool is_worth_it(const BytePrice& price) const {
-    return halves_area < kLeastShrinking * whole_area && halves + price.of_bytes(kNodeShareBytes) < whole;
+    return parts_area < kLeastShrinking * whole_area &&
+           parts + price.of_bytes(more_leaves * kNodeShareBytes) < whole;
   }
 };
+
+/// Where a leaf has more steps than this, its halves may not be smaller though parts of these are: what turns
+/// round and round sweeps as much in half the time. Then a split is looked at down to where it pays.
+inline constexpr std::size_t kLongMotion = 32;
 
 }  // namespace stbvh

@@ -90,16 +90,35 @@ void LeafSurvey::survey(const BuildContext& context, std::span<const Reference> 
   survey(context, references, second, halves, group);
 }
 
-void LeafSurvey::add(const Group& group, const Piece& piece, const BytePrice& price, Totals& totals) const {
-  if (piece.halves != 0) {
-    const Piece* const halves = &group.pieces[piece.halves];
+std::size_t LeafSurvey::add_parts(const Group& group, const Piece& piece, int levels, const BytePrice& price,
+                                  SplitCosts& costs) const {
+  if (levels == 0 || piece.halves == 0) {
+    costs.add_part(price, piece.expected_area, piece.steps);
+    return 1;
+  }
+  const Piece* const halves = &group.pieces[piece.halves];
+  return add_parts(group, halves[0], levels - 1, price, costs) +
+         add_parts(group, halves[1], levels - 1, price, costs);
+}
+
+bool LeafSurvey::is_split(const Group& group, const Piece& piece, const BytePrice& price) const {
+  std::size_t before = 1;
+  for (int levels = 1;; ++levels) {
     SplitCosts costs{piece.expected_area, price.of_leaf(piece.expected_area, piece.steps)};
-    for (int half = 0; half < 2; ++half)
-      costs.add_half(price, halves[half].expected_area, halves[half].steps);
-    if (costs.is_worth_it(price)) {
-      for (int half = 0; half < 2; ++half) add(group, halves[half], price, totals);
-      return;
-    }
+    const std::size_t parts = add_parts(group, piece, levels, price, costs);
+    if (parts == before) return false;
+    before = parts;
+    costs.more_leaves = parts - 1;
+    if (costs.is_worth_it(price)) return true;
+    if (piece.steps <= kLongMotion) return false;
+  }
+}
+
+void LeafSurvey::add(const Group& group, const Piece& piece, const BytePrice& price, Totals& totals) const {
+  if (piece.halves != 0 && is_split(group, piece, price)) {
+    const Piece* const halves = &group.pieces[piece.halves];
+    for (int half = 0; half < 2; ++half) add(group, halves[half], price, totals);
+    return;
   }
   if (piece.steps == 0) return;  // not alive then
   const bool indexed = price.indexes(piece.expected_area, piece.steps);

@@ -52,6 +52,10 @@ class LeafSurvey {
                      const ClosedTimeRange& range, std::span<const std::uint32_t> places, Group& group);
   void add_sample(const BuildContext& context, const ReferenceSet& all, bool moving);
   void add_totals(const Group& group, const BytePrice& price, Totals& totals) const;
+  bool is_split(const Group& group, const Piece& piece, const BytePrice& price) const;
+  /// Adds the parts that `levels` halvings make; returns how many there are.
+  std::size_t add_parts(const Group& group, const Piece& piece, int levels, const BytePrice& price,
+                        SplitCosts& costs) const;
   void add(const Group& group, const Piece& piece, const BytePrice& price, Totals& totals) const;
   /// The least price for which `is_enough`, which holds from some price on.
   template <typename IsEnough>

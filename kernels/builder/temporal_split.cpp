@@ -16,6 +16,8 @@ namespace {
 
 constexpr std::size_t kSample = 64;
 constexpr std::size_t kChunk = 4096;
+constexpr std::size_t kFarSet =
+    64;  ///< smaller sets are not looked into far: it takes long, and larger ones were
 
 /// Consecutive references mostly are of one mesh: its samples of the range are made once.
 class ReferenceMaker {
@@ -63,6 +65,72 @@ const BuildMesh* finest_mesh(const BuildContext& context, const ReferenceSet& se
 
 }  // namespace
 
+namespace {
+
+/// Judges a reference's splits in time.
+class SplitJudge {
+ public:
+  SplitJudge(const BuildContext& context, const ReferenceSet& set,
+             const std::array<ClosedTimeRange, 2>& halves)
+      : context_(context),
+        range_(set.range),
+        halves_(halves),
+        makers_{ReferenceMaker(context, halves[0]), ReferenceMaker(context, halves[1])} {}
+
+  bool wants_halves(const Reference& reference) {
+    SplitCosts costs = whole(reference);
+    for (std::size_t half = 0; half < 2; ++half) add(reference, makers_[half], halves_[half], costs);
+    return costs.is_worth_it(context_.price);
+  }
+
+  /// Whether halves of halves are worth it, or halves of these, and so on.
+  bool wants_parts(const Reference& reference) const {
+    const BuildMesh& mesh = context_.meshes[reference.mesh];
+    if (mesh.is_static() || mesh.steps_in(range_) <= kLongMotion) return false;
+    std::vector<ClosedTimeRange> parts(halves_.begin(), halves_.end());
+    for (;;) {
+      std::vector<ClosedTimeRange> finer;
+      for (const ClosedTimeRange& part : parts) {
+        const std::optional<float> boundary = mesh.central_boundary(part);
+        if (boundary) {
+          for (const ClosedTimeRange& half : halves_at(part, *boundary)) finer.push_back(half);
+        } else {
+          finer.push_back(part);
+        }
+      }
+      if (finer.size() == parts.size()) return false;
+      parts = std::move(finer);
+      SplitCosts costs = whole(reference);
+      costs.more_leaves = parts.size() - 1;
+      for (const ClosedTimeRange& part : parts) {
+        ReferenceMaker maker(context_, part);
+        add(reference, maker, part, costs);
+      }
+      if (costs.is_worth_it(context_.price)) return true;
+    }
+  }
+
+ private:
+  SplitCosts whole(const Reference& reference) const {
+    const float area = expected_area(reference.bounds(), range_);
+    return {area, context_.price.of_leaf(area, context_.meshes[reference.mesh].steps_in(range_))};
+  }
+  void add(const Reference& reference, ReferenceMaker& maker, const ClosedTimeRange& part,
+           SplitCosts& costs) const {
+    LinearBounds bounds;
+    if (!maker.make(reference, bounds)) return;
+    costs.add_part(context_.price, expected_area(bounds, part),
+                   context_.meshes[reference.mesh].steps_in(part));
+  }
+
+  const BuildContext& context_;
+  ClosedTimeRange range_;
+  std::array<ClosedTimeRange, 2> halves_;
+  std::array<ReferenceMaker, 2> makers_;
+};
+
+}  // namespace
+
 std::optional<TemporalSplit> find_temporal_split(const BuildContext& context, const ReferenceSet& set) {
   const std::size_t stride = (set.size() + kSample - 1) / kSample;
   const BuildMesh* mesh = finest_mesh(context, set, stride);
@@ -72,21 +140,12 @@ std::optional<TemporalSplit> find_temporal_split(const BuildContext& context, co
 
   TemporalSplit split;
   split.halves = halves_at(set.range, *boundary);
-  ReferenceMaker makers[2] = {{context, split.halves[0]}, {context, split.halves[1]}};
-  const BytePrice& price = context.price;
+  SplitJudge judge(context, set, split.halves);
+  const bool looks_further = set.size() >= kFarSet;
   std::size_t wanted = 0, count = 0;
   for (std::size_t i = 0; i < set.size(); i += stride, ++count) {
     const Reference& reference = set.references[i];
-    const BuildMesh& own = context.meshes[reference.mesh];
-    const float area = expected_area(reference.bounds(), set.range);
-    SplitCosts costs{area, price.of_leaf(area, own.steps_in(set.range))};
-    for (std::size_t half = 0; half < 2; ++half) {
-      const ClosedTimeRange& range = split.halves[half];
-      LinearBounds bounds;
-      if (makers[half].make(reference, bounds))
-        costs.add_half(price, expected_area(bounds, range), own.steps_in(range));
-    }
-    wanted += costs.is_worth_it(price);
+    wanted += judge.wants_halves(reference) || (looks_further && judge.wants_parts(reference));
   }
   split.wanted_share = static_cast<float>(wanted) / static_cast<float>(count);
   return split;

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstdlib>
 #include <limits>
 #include <mutex>
+#include <numbers>
 #include <string>
 
 #include "layout/layout.h"
@@ -323,6 +325,32 @@ TEST(Builder, BoundsAtHoldWhatStandsStill) {
       ASSERT_TRUE(p.x <= box.upper.x && p.y <= box.upper.y && p.z <= box.upper.z) << t;
     }
   }
+}
+
+/// Half of the time of what turns round and round takes as much room as all of it: only parts of a turn take
+/// less.
+TEST(Builder, SplitsTurnsInTimeHoweverManyThereAre) {
+  constexpr int kTurns = 12;
+  const auto circling = [](Vec3f p, float t) {
+    const float angle = 2 * std::numbers::pi_v<float> * kTurns * t;
+    const float x = p.x + 5.0f;
+    return Vec3f{x * std::cos(angle) - p.y * std::sin(angle), x * std::sin(angle) + p.y * std::cos(angle),
+                 p.z};
+  };
+  test::TestMesh mesh = test::sphere(12, 16 * kTurns + 1, circling);
+  const MeshView view = mesh.view();
+  const auto structure = Structure::build({&view, 1});
+  test::Random random(1);
+  TraversalCounters counters;
+  constexpr int kRays = 2000;
+  for (int i = 0; i < kRays; ++i) {
+    const Vec3f to{10 * random.unit() - 5, 10 * random.unit() - 5, 0};
+    Hit hit;
+    structure->intersect_counted({{to.x, to.y, 5}, 0, {0, 0, -1}, random.unit(), 100}, hit, counters);
+  }
+  // The sphere covers 4 % of these rays, and the ring that it sweeps half of them.
+  EXPECT_LT(counters.leaves, kRays / 2);
+  EXPECT_GT(structure->statistics().temporal_splits, 64u);
 }
 
 }  // namespace
