@@ -19,8 +19,12 @@ namespace {
 
 /// Meshes of more than this share of all triangles are not built by themselves: the whole is built anew.
 constexpr double kMostBuilt = 0.5;
-/// A tree in which rays have more than this to do, in shares of what they had, is built anew.
-constexpr double kMostArea = 1.1;
+/// Refitting may leave rays this much more to do, in shares of all that they have; else the meshes that moved
+/// are built by themselves, if they are few: their leaves have gone away from those beside them.
+constexpr double kMostRefitting = 1.01;
+/// A tree in which rays have more than this to do, in shares of what they would have in a new one, is built
+/// anew.
+constexpr double kMostArea = 1.06;
 /// So is one whose block is unused to more than this share.
 constexpr double kMostUnused = 0.25;
 /// A block that must grow becomes this share larger than it must be.
@@ -117,10 +121,9 @@ class Update {
   }
 
   bool is_small() const {
-    std::size_t built = 0, all = 0;
-    for (const MeshView& mesh : meshes_) all += mesh.triangle_count;
+    std::size_t built = 0;
     for (const std::size_t index : new_meshes_) built += meshes_[index].triangle_count;
-    return static_cast<double>(built) <= kMostBuilt * static_cast<double>(all);
+    return static_cast<double>(built) <= kMostBuilt * static_cast<double>(triangles());
   }
 
   /// False where nothing is left.
@@ -128,41 +131,50 @@ class Update {
     share_ = 0.0;
     BuildProgress progress(inner_);
     progress.start();
-    std::vector<std::uint32_t> removed = records_to(RecordEdit::Fate::kRemoved);
-    if (!remove(removed, progress)) return false;
-    if (const std::vector<std::uint32_t> moved = records_to(RecordEdit::Fate::kMoved); !moved.empty()) {
-      TreeEdit edit(tree_.block.data(), tree_.space, tree_.meshes.records(),
-                    edits(moved, RecordEdit::Fate::kMoved), progress);
-      apply(edit);
-      statistics_.leaves_refitted = edit.leaves_moved();
-      for (const std::uint32_t record : moved) {
-        MeshEntry& entry = tree_.meshes.entry(record);
-        entry.bounds.extend(to_box3f(edit.bounds()[record]));
-      }
-      const std::vector<std::uint32_t> torn = edit.torn_records();
-      for (const std::uint32_t record : moved) {
-        if (std::ranges::find(torn, record) != torn.end()) continue;
-        MeshEntry& entry = tree_.meshes.entry(record);
-        entry.bounds = to_box3f(edit.bounds()[record]);
-        entry.deviation = moved_[record]->deviation();
-        ++statistics_.meshes_refitted;
-        if (callbacks_.step_bounds) {
-          const BuildMesh& mesh = *moved_[record];
-          callbacks_.step_bounds(mesh.index(), step_bounds(mesh), mesh.view().step_times);
-        }
-      }
-      for (const std::uint32_t record : torn) {
-        new_meshes_.push_back(index_of_record_[record]);
-        fates_[record] = RecordEdit::Fate::kRemoved;
-      }
-      if (!remove(torn, progress)) return false;
-      removed.insert(removed.end(), torn.begin(), torn.end());
+    return remove(records_to(RecordEdit::Fate::kRemoved), progress, tree_.counts.expected_area) &&
+           refit(progress);
+  }
+
+  bool refit(const BuildProgress& progress) {
+    const std::vector<std::uint32_t> moved = records_to(RecordEdit::Fate::kMoved);
+    if (moved.empty()) return true;
+    const double before = tree_.counts.expected_area;
+    TreeEdit edit(tree_.block.data(), tree_.space, tree_.meshes.records(),
+                  edits(moved, RecordEdit::Fate::kMoved), progress);
+    apply(edit);
+    for (const std::uint32_t record : moved)
+      tree_.meshes.entry(record).bounds.extend(to_box3f(edit.bounds()[record]));
+    const bool have_gone_away =
+        tree_.counts.expected_area > kMostRefitting * before &&
+        static_cast<double>(triangles_of(moved)) <= kMostBuilt * static_cast<double>(triangles());
+    const std::vector<std::uint32_t> built = have_gone_away ? moved : edit.torn_records();
+    for (const std::uint32_t record : built) new_meshes_.push_back(index_of_record_[record]);
+    for (const std::uint32_t record : moved) {
+      if (std::ranges::find(built, record) == built.end()) enter_refitted(record, edit);
     }
-    for (const std::uint32_t record : removed) {
-      index_of_record_[record] = kNowhere;
-      tree_.meshes.remove(record);
-    }
-    return true;
+    if (!have_gone_away) statistics_.leaves_refitted = edit.leaves_moved();
+    return remove(built, progress, before);
+  }
+
+  void enter_refitted(std::uint32_t record, const TreeEdit& edit) {
+    MeshEntry& entry = tree_.meshes.entry(record);
+    entry.bounds = to_box3f(edit.bounds()[record]);
+    entry.deviation = moved_[record]->deviation();
+    ++statistics_.meshes_refitted;
+    if (!callbacks_.step_bounds) return;
+    const BuildMesh& mesh = *moved_[record];
+    callbacks_.step_bounds(mesh.index(), step_bounds(mesh), mesh.view().step_times);
+  }
+
+  std::size_t triangles() const {
+    std::size_t all = 0;
+    for (const MeshView& mesh : meshes_) all += mesh.triangle_count;
+    return all;
+  }
+  std::size_t triangles_of(std::span<const std::uint32_t> records) const {
+    std::size_t some = 0;
+    for (const std::uint32_t record : records) some += meshes_[index_of_record_[record]].triangle_count;
+    return some;
   }
 
   std::vector<std::uint32_t> records_to(RecordEdit::Fate fate) const {
@@ -183,14 +195,18 @@ class Update {
     return result;
   }
 
-  bool remove(std::span<const std::uint32_t> records, const BuildProgress& progress) {
+  /// Takes all leaves of the records out, and forgets them. `before` is the expected area of the tree as it
+  /// was when they were good ones: one without them would have as much less as this is less then.
+  bool remove(std::span<const std::uint32_t> records, const BuildProgress& progress, double before) {
     if (records.empty()) return true;
     TreeEdit edit(tree_.block.data(), tree_.space, tree_.meshes.records(),
                   edits(records, RecordEdit::Fate::kRemoved), progress);
-    const double before = tree_.counts.expected_area;
     if (!apply(edit)) return false;
-    // A tree without them would have as much less to do.
     tree_.usual_area += tree_.counts.expected_area - before;
+    for (const std::uint32_t record : records) {
+      index_of_record_[record] = kNowhere;
+      tree_.meshes.remove(record);
+    }
     return true;
   }
 

@@ -211,7 +211,7 @@ TEST(SavedStructure, IsChangedAsAnyOther) {
   const SavedStructure loaded(file);
   const auto structure = loaded.structure();
   for (auto& step : meshes[0].positions) {
-    for (Vec3f& p : step) p.z += 0.2f;
+    for (Vec3f& p : step) p.z += 0.01f;
   }
   std::vector<MeshUpdate> updates;
   for (std::size_t i = 0; i < meshes.size(); ++i)
