@@ -50,8 +50,9 @@ struct SplitCosts {
   }
 };
 
-/// Where a leaf has more steps than this, its halves may not be smaller though parts of these are: what turns
-/// round and round sweeps as much in half the time. Then a split is looked at down to where it pays.
-inline constexpr std::size_t kLongMotion = 32;
+/// Where a mesh has more steps than this, the halves of a leaf's time may not be smaller though parts of
+/// these are: what turns round and round, or goes to and fro, sweeps as much in half the time. Then a split
+/// is looked at down to where it pays.
+inline constexpr std::size_t kLongMotion = 17;
 
 }  // namespace stbvh

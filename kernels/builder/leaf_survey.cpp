@@ -56,7 +56,9 @@ void LeafSurvey::add_sample(const BuildContext& context, const ReferenceSet& all
   groups_.resize(first + runs.size());
   tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
     Group& group = groups_[first + i];
-    group = {std::vector<Piece>(runs[i].size()), runs[i].size(), moving, static_cast<double>(stride)};
+    group = {std::vector<Piece>(runs[i].size()), runs[i].size(), moving,
+             context.meshes[runs[i].front().mesh].view().steps.size() > kLongMotion,
+             static_cast<double>(stride)};
     std::vector<std::uint32_t> places(group.roots);
     for (std::uint32_t place = 0; place < places.size(); ++place) places[place] = place;
     survey(context, runs[i], all.range, places, group);
@@ -110,7 +112,7 @@ bool LeafSurvey::is_split(const Group& group, const Piece& piece, const BytePric
     before = parts;
     costs.more_leaves = parts - 1;
     if (costs.is_worth_it(price)) return true;
-    if (piece.steps <= kLongMotion) return false;
+    if (!group.is_long) return false;
   }
 }
 

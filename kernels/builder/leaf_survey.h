@@ -41,6 +41,7 @@ class LeafSurvey {
     std::vector<Piece> pieces;
     std::size_t roots;
     bool moves;
+    bool is_long;            ///< its motion: kLongMotion
     double leaves_for_each;  ///< that is in the sample
   };
   struct Totals {

@@ -86,7 +86,7 @@ class SplitJudge {
   /// Whether halves of halves are worth it, or halves of these, and so on.
   bool wants_parts(const Reference& reference) const {
     const BuildMesh& mesh = context_.meshes[reference.mesh];
-    if (mesh.is_static() || mesh.steps_in(range_) <= kLongMotion) return false;
+    if (mesh.view().steps.size() <= kLongMotion) return false;
     std::vector<ClosedTimeRange> parts(halves_.begin(), halves_.end());
     for (;;) {
       std::vector<ClosedTimeRange> finer;
