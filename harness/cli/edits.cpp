@@ -96,8 +96,6 @@ class EditsRun {
       progress_.stage(fmt::format("{}: building {}", scene_.name, name));
       auto structure = build_within_limit(name, scene_, options_.threads);
       if (structure == nullptr) continue;
-      if (!structure->can_update())
-        throw UsageError(fmt::format("--structures: {} cannot be updated.", name));
       structures_.push_back({name, std::move(structure)});
     }
     for (std::size_t i = 0; i < options_.edits; ++i) edit(i + 1);
@@ -188,6 +186,9 @@ void require_right_answers(const std::vector<EditResult>& results) {
 }
 
 void run_edits(const EditsOptions& options) {
+  for (const std::string& name : options.structures) {
+    if (!is_updatable(name)) throw UsageError(fmt::format("--structures: {} cannot be updated.", name));
+  }
   Progress progress;
   Report report;
   PinnedThreads threads(options.threads);

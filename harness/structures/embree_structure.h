@@ -17,7 +17,6 @@ class EmbreeStructure : public StructureUnderTest {
                   const BuildProgress& progress);
 
   const BuildRecord& build_record() const override { return record_; }
-  bool can_update() const override { return true; }
   void update(const Scene& scene, std::span<const MeshEdit> edits) override;
   void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
   void occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const override;

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
 
@@ -128,6 +129,11 @@ std::string_view structure_description(std::string_view name) {
     if (entry.name == name) return entry.description;
   }
   throw unknown_structure(name);
+}
+
+bool is_updatable(std::string_view name) {
+  constexpr std::array<std::string_view, 3> kOurs{"stbvh", "stbvh-16", "stbvh-fast"};
+  return name.starts_with("embree") || std::ranges::find(kOurs, name) != kOurs.end();
 }
 
 std::string obstacle(std::string_view name, const Scene& scene) {

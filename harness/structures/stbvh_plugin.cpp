@@ -13,7 +13,7 @@ namespace stbvh::harness {
 
 StbvhPlugin::StbvhPlugin(const Scene& scene, const PluginSettings& settings, unsigned threads,
                          const BuildProgress& progress)
-    : settings_(settings), indices_(scene.meshes.size(), kNotAdded), device_("", threads) {
+    : indices_(scene.meshes.size(), kNotAdded), device_("", threads) {
   const BuildMeter meter(threads);
   geometry_.reset(stbvhNewGeometry(device_.get()));
   if (!geometry_) throw std::bad_alloc();

@@ -24,7 +24,6 @@ class StbvhPlugin : public StructureUnderTest {
               const BuildProgress& progress);
 
   const BuildRecord& build_record() const override { return record_; }
-  bool can_update() const override { return !settings_.still_in_embree; }
   void update(const Scene& scene, std::span<const MeshEdit> edits) override;
   void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
   void occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
@@ -46,7 +45,6 @@ class StbvhPlugin : public StructureUnderTest {
 
   static constexpr unsigned kNotAdded = 0xFFFFFFFFu;
 
-  PluginSettings settings_;
   std::vector<unsigned> indices_;  ///< in the plugin, of each mesh of the scene
   EmbreeDevice device_;
   StbvhGeometryPtr geometry_;

@@ -42,10 +42,8 @@ class StructureUnderTest {
 
   virtual const BuildRecord& build_record() const = 0;
 
-  /// Whether update() does anything.
-  virtual bool can_update() const { return false; }
-  /// Makes it that of `scene`, the one that it was built over, in which `edits` were made since. The record
-  /// is that of the build.
+  /// For structures that is_updatable(): makes it that of `scene`, the one that it was built over, in which
+  /// `edits` were made since. The record is that of the build.
   virtual void update(const Scene& scene, std::span<const MeshEdit> edits) {
     static_cast<void>(scene), static_cast<void>(edits);
   }
@@ -82,6 +80,9 @@ bool is_exact(std::string_view name);
 
 /// Whether that structure keeps to Scene::max_bytes.
 bool is_limitable(std::string_view name);
+
+/// Whether StructureUnderTest::update() of that structure does anything.
+bool is_updatable(std::string_view name);
 
 /// Why the structure `name` cannot be built over `scene`, as the rest of a sentence; empty if it can.
 std::string obstacle(std::string_view name, const Scene& scene);
