@@ -260,7 +260,7 @@ def draw_edits(records):
     commits.set_ylabel("commit, ms")
     speeds.axhline(1, color="black", linewidth=0.5)
     speeds.set_ylim(bottom=0)
-    speeds.set_ylabel("rays per second, times those of a structure built anew")
+    speeds.set_ylabel("rays per second, times built anew")
     for axes in panels.flat:
         axes.set_xlabel("edit")
         axes.grid(linewidth=0.3)
@@ -289,6 +289,7 @@ def draw_frames(records):
                 n = r["crossover_rays"]
                 axes.plot([n], [r["build_s"] / frames + n / (1e6 * r["mrays_per_s"])], "o", color=colour, markersize=4)
         axes.set_xscale("log")
+        axes.xaxis.set_major_formatter("{x:g}")
         log_scale(axes)
         axes.set_title(f"{frames} frames")
         axes.set_xlabel("rays of a frame")

@@ -111,8 +111,8 @@ def read_file(path):
 
 
 # Fields of records; all others are numbers.
-TEXTS = {"kind", "scene", "structure", "family", "reference", "measure", "rays", "over", "worst_scene", "origin", "picture",
-         "reference_structure", "reference_picture", "difference_picture"}
+TEXTS = {"kind", "scene", "structure", "family", "reference", "measure", "rays", "over", "what", "worst_scene", "origin",
+         "picture", "reference_structure", "reference_picture", "difference_picture"}
 HOLDERS = {"ratios_to_embree", "difference", "nodes", "triangles", "worst", "warnings"}  # also of a number: "triangles"
 
 
@@ -143,8 +143,8 @@ def grouped(records, *keys):
 
 
 # What a record is about: no two may agree in all of these.
-IDENTITY = ("kind", "scene", "family", "structure", "reference", "measure", "rays", "threads", "over", "value", "edit", "frames",
-            "samples_per_pixel")
+IDENTITY = ("kind", "scene", "family", "structure", "reference", "measure", "rays", "threads", "over", "value", "edit",
+            "frames", "samples_per_pixel")
 
 
 def check_distinct(records):
