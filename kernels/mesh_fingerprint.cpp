@@ -7,6 +7,8 @@
 #include <cstddef>
 #include <cstring>
 
+#include "isolated.h"
+
 #define XXH_INLINE_ALL
 #include <xxhash.h>
 
@@ -89,8 +91,10 @@ std::vector<MeshFingerprint> fingerprints_of(std::span<const MeshView> meshes) {
     for (const VertexBufferView& step : mesh.steps) add({step.data, step.count, step.stride});
   }
   std::vector<ContentHash> hashes(pieces.size());
-  tbb::parallel_for(std::size_t{0}, pieces.size(),
-                    [&](std::size_t i) { hashes[i] = hash_of(pieces[i].elements, pieces[i].chunk); });
+  isolated([&] {
+    tbb::parallel_for(std::size_t{0}, pieces.size(),
+                      [&](std::size_t i) { hashes[i] = hash_of(pieces[i].elements, pieces[i].chunk); });
+  });
 
   std::vector<MeshFingerprint> fingerprints;
   auto next = hashes.begin();

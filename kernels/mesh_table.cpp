@@ -18,13 +18,14 @@ std::size_t bytes_of_entry(std::size_t steps, std::size_t times) {
 std::uint32_t MeshTable::add(const BuildContext& context, const BinaryTree& tree, std::size_t i) {
   const BuildMesh& mesh = context.meshes[i];
   const MeshletSet& meshlets = context.meshlets[i];
-  auto room = std::ranges::find(entries_, false, &MeshEntry::is_used);
-  if (room == entries_.end()) {
-    records_.reserve(records_.size() + 1);
-    entries_.emplace_back();
+  if (free_.empty()) {
+    free_.push_back(static_cast<std::uint32_t>(records_.size()));
     records_.emplace_back();
-    room = entries_.end() - 1;
+    entries_.emplace_back();
   }
+  const std::uint32_t number = free_.back();
+  free_.pop_back();
+  MeshEntry* const room = &entries_[number];
   const MeshView& view = mesh.view();
   room->steps.assign(view.steps.begin(), view.steps.end());
   room->step_times.assign(view.step_times.begin(), view.step_times.end());
@@ -39,7 +40,6 @@ std::uint32_t MeshTable::add(const BuildContext& context, const BinaryTree& tree
   const bool is_alive = mesh.is_static() || (mesh.grid().begin <= 1.0f && mesh.grid().end >= 0.0f);
   room->triangles = is_alive ? meshlets.triangles : 0;
   room->primitive_segments = room->triangles * std::max<std::size_t>(mesh.segments(), 1);
-  const auto number = static_cast<std::uint32_t>(room - entries_.begin());
   records_[number] = {mesh.grid(),
                       view.mask,
                       view.geom_id,
@@ -52,6 +52,7 @@ std::uint32_t MeshTable::add(const BuildContext& context, const BinaryTree& tree
 }
 
 void MeshTable::restore(MeshEntry entry, const MeshRecord& record) {
+  if (!entry.is_used) free_.push_back(static_cast<std::uint32_t>(records_.size()));
   entries_.push_back(std::move(entry));
   records_.push_back(record);
   records_.back().steps = entries_.back().steps.data();
@@ -61,6 +62,7 @@ void MeshTable::restore(MeshEntry entry, const MeshRecord& record) {
 void MeshTable::remove(std::uint32_t record) {
   entries_[record] = {};
   records_[record] = {};
+  free_.push_back(record);
 }
 
 void MeshTable::refresh(std::uint32_t record, const MeshView& view, std::size_t index) {

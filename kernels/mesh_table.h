@@ -58,6 +58,7 @@ class MeshTable {
  private:
   std::vector<MeshRecord> records_;
   std::vector<MeshEntry> entries_;
+  std::vector<std::uint32_t> free_;  ///< records that no mesh uses
 };
 
 }  // namespace stbvh

@@ -1,8 +1,5 @@
 #include "stbvh/structure.h"
 
-#include <tbb/task_arena.h>
-#include <tbb/task_group.h>
-
 #include <algorithm>
 #include <cstring>
 #include <utility>
@@ -14,6 +11,7 @@
 #include "builder/merged_bounds.h"
 #include "builder/mesh_parts.h"
 #include "builder/step_bounds.h"
+#include "isolated.h"
 #include "layout/node_slots.h"
 #include "layout/node_walk.h"
 #include "stored_tree.h"
@@ -58,14 +56,6 @@ std::vector<TimedBounds> root_children(const BinaryTree& tree) {
   std::vector<TimedBounds> bounds;
   for (const BinaryNode* child : children.span()) bounds.push_back({child->bounds(), child->range});
   return bounds;
-}
-
-/// On its own: not cancelled with tasks of the caller, and not interrupted by them while it waits.
-template <typename Work>
-void isolated(const Work& work) {
-  tbb::task_group_context context(tbb::task_group_context::isolated);
-  tbb::task_group group(context);
-  group.run_and_wait([&] { tbb::this_task_arena::isolate(work); });
 }
 
 class StructureImpl final : public Structure {

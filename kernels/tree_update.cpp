@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -43,6 +44,7 @@ class Update {
 
   /// False where the tree should be built anew.
   bool run() {
+    if (updates_.size() != meshes_.size()) throw std::invalid_argument("not one update for each mesh");
     if (tree_.is_empty || tree_.settings.max_peak_bytes != kNoLimit) return false;
     find_out();
     if (!is_small()) return false;
@@ -52,7 +54,10 @@ class Update {
       return false;
     }
     refresh();
-    return is_good();
+    if (!is_good()) return false;
+    done_ = 1.0;
+    if (!report(0.0)) throw BuildCancelled();
+    return true;
   }
 
   const UpdateStatistics& statistics() const { return statistics_; }
@@ -61,32 +66,33 @@ class Update {
  private:
   /// Two stages: what was there, what is new.
   bool report(double fraction) {
-    reported_ = std::max(reported_, done_ + (1.0 - done_) * share_ * fraction);
+    reported_ = std::max(reported_, done_ + share_ * fraction);
     return !callbacks_.progress || callbacks_.progress(std::min(reported_, 1.0));
   }
 
   /// What becomes of each record, and which meshes are to be built.
   void find_out() {
-    std::vector<std::size_t> now(meshes_.size(), kNowhere);  // of each mesh that was there
-    std::size_t most = 0;
-    for (const MeshUpdate& update : updates_) {
-      if (update.was != kNewMesh) most = std::max(most, update.was + 1);
+    std::size_t meshes = 0;  // that were there
+    for (std::uint32_t record = 0; record < tree_.meshes.size(); ++record) {
+      if (tree_.meshes.entry(record).is_used)
+        meshes = std::max<std::size_t>(meshes, tree_.meshes.record(record).index + 1);
     }
-    now.assign(std::max(most, now.size()), kNowhere);
+    std::vector<std::size_t> now(meshes, kNowhere);
+    std::vector<bool> is_new(meshes_.size());
     for (std::size_t i = 0; i < updates_.size(); ++i) {
-      if (updates_[i].was != kNewMesh) now[updates_[i].was] = i;
+      // Of several that say they were the same the first is it.
+      const std::size_t was = updates_[i].was;
+      is_new[i] = was >= meshes || now[was] != kNowhere;
+      if (!is_new[i]) now[was] = i;
     }
     index_of_record_.assign(tree_.meshes.size(), kNowhere);
     fates_.assign(tree_.meshes.size(), RecordEdit::Fate::kStays);
     moved_.resize(tree_.meshes.size());
-    std::vector<bool> is_new(meshes_.size());
-    for (std::size_t i = 0; i < updates_.size(); ++i) is_new[i] = updates_[i].was == kNewMesh;
-    std::vector<bool> is_gone;
+    std::vector<bool> is_gone(meshes);
     for (std::uint32_t record = 0; record < tree_.meshes.size(); ++record) {
       if (!tree_.meshes.entry(record).is_used) continue;
       const std::uint32_t was = tree_.meshes.record(record).index;
-      is_gone.resize(std::max<std::size_t>(is_gone.size(), was + 1));
-      const std::size_t index = was < now.size() ? now[was] : kNowhere;
+      const std::size_t index = now[was];
       if (index == kNowhere) {
         if (!is_gone[was]) ++statistics_.meshes_removed;  // its other parts are gone too
         is_gone[was] = true;
@@ -102,8 +108,12 @@ class Update {
         is_new[index] = true;
       }
     }
+    std::vector<bool> is_known(meshes_.size());
+    for (const std::size_t index : index_of_record_) {
+      if (index != kNowhere) is_known[index] = true;
+    }
     for (std::size_t i = 0; i < is_new.size(); ++i) {
-      if (is_new[i]) new_meshes_.push_back(i);
+      if (is_new[i] || !is_known[i]) new_meshes_.push_back(i);
     }
   }
 
@@ -149,8 +159,10 @@ class Update {
         static_cast<double>(triangles_of(moved)) <= kMostBuilt * static_cast<double>(triangles());
     const std::vector<std::uint32_t> built = have_gone_away ? moved : edit.torn_records();
     for (const std::uint32_t record : built) new_meshes_.push_back(index_of_record_[record]);
+    std::vector<bool> is_built(fates_.size());
+    for (const std::uint32_t record : built) is_built[record] = true;
     for (const std::uint32_t record : moved) {
-      if (std::ranges::find(built, record) == built.end()) enter_refitted(record, edit);
+      if (!is_built[record]) enter_refitted(record, edit);
     }
     if (!have_gone_away) statistics_.leaves_refitted = edit.leaves_moved();
     return remove(built, progress, before);
@@ -291,8 +303,11 @@ class Update {
     statistics_.expected_cost = tree_.usual_area > 0.0 ? tree_.counts.expected_area / tree_.usual_area : 1.0;
     tree_.usual_area = std::min(tree_.usual_area, tree_.counts.expected_area);
     peak_bytes_ = std::max(peak_bytes_, tree_.bytes());
-    const bool has_waste =
-        static_cast<double>(tree_.space.unused()) > kMostUnused * static_cast<double>(tree_.space.end());
+    const UnitSpace& space = tree_.space;
+    const auto unused = static_cast<double>(space.unused() + space.capacity() - space.end());
+    const bool has_waste = unused > kMostUnused * static_cast<double>(space.capacity()) + kInsertionUnits;
+    // What is left of one that had far more: nothing is known of what it would be.
+    if (tree_.usual_area <= 0.0 && tree_.counts.expected_area > 0.0) return false;
     return statistics_.expected_cost <= kMostArea && !has_waste && tree_.bytes() <= tree_.settings.max_bytes;
   }
 

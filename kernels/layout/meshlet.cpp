@@ -38,6 +38,7 @@ std::optional<Meshlet> read_meshlet(const LeafHeader& leaf, const MeshView& mesh
     for (std::size_t corner = 0; corner < 3; ++corner) {
       const std::uint8_t slot = leaf.corners[corner][i];
       const std::uint32_t vertex = triangle[corner];
+      if (vertex >= mesh.steps[0].count) return std::nullopt;
       if (!is_known[slot]) {
         is_known[slot] = true;
         meshlet.vertices[slot] = vertex;

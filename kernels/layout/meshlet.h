@@ -28,7 +28,7 @@ void write_inline_leaf(std::uint32_t mesh, const Meshlet& meshlet, std::size_t f
 void write_indexed_leaf(std::uint32_t mesh, const Meshlet& meshlet, std::byte* out);
 
 /// What a leaf was written of, with the vertices that `mesh` has now; none where corners of one vertex slot
-/// are no longer at the same place at all steps.
+/// are no longer at the same place at all steps, or not there at all.
 std::optional<Meshlet> read_meshlet(const LeafHeader& leaf, const MeshView& mesh);
 
 }  // namespace stbvh

@@ -40,7 +40,7 @@ struct FileHeader {
   float tolerance = 0.0f;
   std::uint32_t precision = 0;
   NodeSlot root{};
-  std::uint32_t unused = 0;
+  std::uint32_t has_buffers = 0;
   ContentHash hash_of_hashes;
   ContentHash hash_of_header;  ///< with zeros here
 };

@@ -16,6 +16,8 @@
 #include <utility>
 
 #include "builder/build_mesh.h"
+#include "isolated.h"
+#include "layout/time_grid.h"
 #include "saved/file_format.h"
 #include "saved/tables.h"
 #include "saved/tree_walk.h"
@@ -168,6 +170,7 @@ void save_structure(const Structure& structure, std::span<const MeshView> meshes
   header.is_empty = tree.is_empty ? 1 : 0;
   header.block = placed(block.bytes.size());
   header.tables = placed(table.bytes().size());
+  header.has_buffers = options.with_buffers ? 1 : 0;
   header.buffers = placed(buffers);
   header.user = placed(options.user_data.size());
   HashedBody body(end);
@@ -223,7 +226,7 @@ namespace {
 class MappedFile {
  public:
   explicit MappedFile(const std::filesystem::path& file) {
-    const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
+    const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (descriptor < 0) throw std::system_error(errno, std::generic_category(), file.string());
     struct stat status {};
     const bool is_known = ::fstat(descriptor, &status) == 0;
@@ -304,7 +307,8 @@ void check_hashes(std::span<const std::byte> file, const FileHeader& header) {
 
 /// A mesh as it was saved.
 struct SavedMesh {
-  std::vector<VertexBufferView> steps;
+  std::size_t step_count = 0;
+  std::vector<VertexBufferView> steps;  ///< empty where there are no vertices in the file
   std::vector<float> step_times;
   MeshFingerprint fingerprint;
 };
@@ -314,6 +318,7 @@ struct SavedRecord {
   MeshRecord record{};
 };
 
+constexpr std::size_t kLeastMeshBytes = 80, kLeastRecordBytes = 92;
 constexpr const char* kBadTable = "has a table of meshes that is not one";
 
 }  // namespace
@@ -325,7 +330,9 @@ class SavedStructure::Impl {
       : file_(std::make_shared<MappedFile>(from)), header_(checked_header(bytes())) {
     check_hashes(bytes(), header_);
     TableReader table(section(header_.tables));
-    require(header_.mesh_count <= header_.tables.bytes && header_.record_count <= header_.tables.bytes,
+    // None of them takes less, so that a small file cannot ask for much.
+    require(header_.mesh_count <= header_.tables.bytes / kLeastMeshBytes &&
+                header_.record_count <= header_.tables.bytes / kLeastRecordBytes,
             kBadTable);
     require(header_.precision <= 1 && (header_.tolerance == kKeepAllSteps ||
                                        (header_.tolerance >= 0.0f && std::isfinite(header_.tolerance))),
@@ -346,13 +353,13 @@ class SavedStructure::Impl {
     settings.tolerance = header_.tolerance;
     return settings;
   }
-  bool has_buffers() const { return header_.buffers.bytes > 0; }
+  bool has_buffers() const { return header_.has_buffers != 0; }
   std::span<const MeshView> views() const { return views_; }
   std::span<const std::byte> user_data() const { return section(header_.user); }
 
   std::unique_ptr<Structure> structure(std::span<const MeshView> meshes, bool is_own) const {
     if (!is_own) check_meshes(meshes);
-    require(is_own ? has_buffers() || meshes.empty() : true, "holds no triangles: meshes are needed");
+    require(!is_own || has_buffers(), "holds no triangles: meshes are needed");
     // The mapping lives as long as a structure in it.
     const auto release = [file = file_](void*, std::size_t) {};
     const std::span<std::byte> block = file_->bytes().subspan(header_.block.offset, header_.block.bytes);
@@ -407,9 +414,16 @@ class SavedStructure::Impl {
       return data;
     };
     view.indices = next(view.triangle_count);
-    for (std::size_t step = 0; step < steps; ++step)
-      mesh.steps.push_back({next(vertices), vertices, kElementBytes});
-    view.steps = mesh.steps;
+    mesh.step_count = steps;
+    if (has_buffers() && vertices > 0) {
+      require(steps <= (header_.buffers.bytes - buffer) / (vertices * kElementBytes), kBadTable);
+      for (std::size_t step = 0; step < steps; ++step)
+        mesh.steps.push_back({next(vertices), vertices, kElementBytes});
+      view.steps = mesh.steps;
+    } else {
+      static const std::vector<VertexBufferView> kNoVertices(kMaxSteps);
+      view.steps = std::span(kNoVertices).first(steps);
+    }
     view.step_times = mesh.step_times;
     require(!has_buffers() || problem_of(view) == nullptr, kBadTable);
     return view;
@@ -430,15 +444,15 @@ class SavedStructure::Impl {
     entry.kept.resize(table.take_count(sizeof(std::uint32_t)));
     for (std::size_t& step : entry.kept) step = table.take<std::uint32_t>();
     entry.step_times.resize(table.take_count(sizeof(float)));
-    for (float& time : entry.step_times) time = table.take<float>();
+    for (float& time : entry.step_times) time = normal_time(table.take<float>());
     if (!entry.is_used) return saved;
     require(saved.record.index < meshes_.size(), kBadTable);
-    const std::vector<VertexBufferView>& given = meshes_[saved.record.index].steps;
-    require(!entry.kept.empty() && entry.kept.back() < given.size(), kBadTable);
+    const std::size_t given = meshes_[saved.record.index].step_count;
+    require(!entry.kept.empty() && entry.kept.back() < given, kBadTable);
     require(std::ranges::adjacent_find(entry.kept, std::ranges::greater_equal{}) == entry.kept.end(),
             kBadTable);
     require(entry.step_times.empty() || entry.step_times.size() == entry.kept.size(), kBadTable);
-    entry.steps_given = given.size();
+    entry.steps_given = given;
     entry.steps.resize(entry.kept.size());
     // As a mesh with these steps it must be one that could be built, whatever its buffers.
     MeshView view;
@@ -459,8 +473,7 @@ class SavedStructure::Impl {
     const std::vector<MeshFingerprint> fingerprints = fingerprints_of(meshes);
     for (std::size_t i = 0; i < meshes.size(); ++i) {
       const bool same = change_between(meshes_[i].fingerprint, fingerprints[i]) == MeshChange::kNothing;
-      require(same && meshes[i].steps.size() == meshes_[i].steps.size(),
-              "is of meshes that differ from these");
+      require(same && meshes[i].steps.size() == meshes_[i].step_count, "is of meshes that differ from these");
     }
   }
 
@@ -471,8 +484,12 @@ class SavedStructure::Impl {
   std::vector<SavedRecord> records_;
 };
 
-SavedStructure::SavedStructure(const std::filesystem::path& file) : impl_(std::make_unique<Impl>(file)) {}
-SavedStructure::SavedStructure(std::span<const std::byte> bytes) : impl_(std::make_unique<Impl>(bytes)) {}
+SavedStructure::SavedStructure(const std::filesystem::path& file) {
+  isolated([&] { impl_ = std::make_unique<Impl>(file); });
+}
+SavedStructure::SavedStructure(std::span<const std::byte> bytes) {
+  isolated([&] { impl_ = std::make_unique<Impl>(bytes); });
+}
 SavedStructure::~SavedStructure() = default;
 SavedStructure::SavedStructure(SavedStructure&&) noexcept = default;
 SavedStructure& SavedStructure::operator=(SavedStructure&&) noexcept = default;
@@ -490,10 +507,14 @@ std::span<const std::byte> SavedStructure::user_data() const {
   return impl_->user_data();
 }
 std::unique_ptr<Structure> SavedStructure::structure() const {
-  return impl_->structure(impl_->views(), true);
+  std::unique_ptr<Structure> structure;
+  isolated([&] { structure = impl_->structure(impl_->views(), true); });
+  return structure;
 }
 std::unique_ptr<Structure> SavedStructure::structure(std::span<const MeshView> meshes) const {
-  return impl_->structure(meshes, false);
+  std::unique_ptr<Structure> structure;
+  isolated([&] { structure = impl_->structure(meshes, false); });
+  return structure;
 }
 
 }  // namespace stbvh

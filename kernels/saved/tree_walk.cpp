@@ -8,6 +8,8 @@
 #include <cstring>
 #include <limits>
 #include <map>
+#include <stdexcept>
+#include <type_traits>
 
 #include "builder/mbsah.h"
 #include "edit/tree_edit.h"
@@ -110,13 +112,18 @@ class Check {
     TreeCounts counts;
   };
 
-  /// Of the subtree that begins at `begin`, if it has any units of its own.
-  Subtree visit(const NodeSlot& slot, std::size_t begin, std::size_t level) const {
-    return kind_of(slot.link) == LinkKind::kLeaf ? visit_leaf(slot, begin) : visit_node(slot, begin, level);
+  /// Of the subtree that begins at `begin`, if it has any units of its own; `within` is in all boxes above.
+  Subtree visit(const NodeSlot& slot, std::size_t begin, std::size_t level, const Box4& within) const {
+    const LinearBounds bounds = slot.bounds();
+    const Box4 box = common(within, united(bounds.begin, bounds.end));
+    return kind_of(slot.link) == LinkKind::kLeaf ? visit_leaf(slot, begin, box)
+                                                 : visit_node(slot, begin, level, box);
   }
 
  private:
-  Subtree visit_leaf(const NodeSlot& slot, std::size_t begin) const {
+  static Box4 common(const Box4& a, const Box4& b) { return {max(a.lower, b.lower), min(a.upper, b.upper)}; }
+
+  Subtree visit_leaf(const NodeSlot& slot, std::size_t begin, const Box4& within) const {
     const std::size_t unit = unit_of(slot.link);
     const bool is_indexed = unit >= units_;
     require(is_indexed || (unit == begin && unit + sizeof(LeafHeader) / kUnitBytes <= units_));
@@ -129,6 +136,10 @@ class Check {
     require(leaf.indexed == (is_indexed ? 1 : 0));
     require(leaf.mesh < table_.size() && table_.entry(leaf.mesh).is_used);
     require(leaf.triangle_count > 0 && leaf.triangle_count <= kWidth);
+    // A change finds the leaves of a mesh by its box: all boxes above and that one have something in common.
+    const Box3f& bounds = table_.entry(leaf.mesh).bounds;
+    const Box4 all = common(within, Box4{F32x4(bounds.lower), F32x4(bounds.upper)});
+    for (int axis = 0; axis < 3; ++axis) require(all.lower[axis] <= all.upper[axis]);
     const MeshView& mesh = mesh_of_record_[leaf.mesh];
     for (std::size_t i = 0; i < kWidth; ++i) {
       for (std::size_t corner = 0; corner < 3; ++corner) require(leaf.corners[corner][i] < kWidth);
@@ -138,6 +149,7 @@ class Check {
     result.end = begin;
     result.counts.leaf_triangles = leaf.triangle_count;
     if (is_indexed) {
+      require(leaf.first_segment == 0);
       check_indices(leaf, mesh);
       result.counts.indexed_leaves = 1;
       return result;
@@ -173,21 +185,21 @@ class Check {
     }
   }
 
-  Subtree visit_node(const NodeSlot& slot, std::size_t begin, std::size_t level) const {
+  Subtree visit_node(const NodeSlot& slot, std::size_t begin, std::size_t level, const Box4& within) const {
     const LinkKind kind = kind_of(slot.link);
     std::size_t next = begin + node_units(kind);
     require(level < kMaxLevels && unit_of(slot.link) == begin && next <= units_);
     const std::byte* const data = block_.data() + begin * kUnitBytes;
     const NodeSlots node = read_node(kind, data, slot.range);
     require(node.count > 0);
-    check_slots(node, data);
+    check_slots(kind, node, data);
     // Where each child begins follows from its link; that they stand side by side is looked at afterwards.
     std::array<Subtree, kWidth> children;
     const auto visit_child = [&](std::size_t i) {
       const NodeSlot& child = node.slots[i];
       const bool has_units = kind_of(child.link) != LinkKind::kLeaf || unit_of(child.link) < units_;
       if (has_units) require(unit_of(child.link) >= next);
-      children[i] = visit(child, has_units ? unit_of(child.link) : 0, level + 1);
+      children[i] = visit(child, has_units ? unit_of(child.link) : 0, level + 1, within);
     };
     if (level < kParallelLevels) {
       tbb::parallel_for(std::size_t{0}, node.count, visit_child);
@@ -209,7 +221,9 @@ class Check {
     return result;
   }
 
-  /// Numbers are finite, times within those of the node, and nothing stands in places without a child.
+  /// Numbers are finite, times within those of the node, and nothing stands in places without a child: what
+  /// rays compute there must not make them enter.
+  template <typename Node>
   static void check_slots(const NodeSlots& node, const std::byte* data) {
     for (const NodeSlot& slot : node.used()) {
       for (std::size_t plane = 0; plane < kPlanes; ++plane)
@@ -217,15 +231,27 @@ class Check {
       require(slot.range.begin <= slot.range.last && slot.range.begin >= node.range.begin &&
               slot.range.last <= node.range.last);
     }
+    Node raw;
+    std::memcpy(&raw, data, sizeof raw);
     constexpr float inf = std::numeric_limits<float>::infinity();
-    float planes[kPlanes][kWidth];
-    std::memcpy(planes, data, sizeof planes);  // they come first in every kind of node
     for (std::size_t i = 0; i < kWidth; ++i) {
+      const bool is_used = i < node.count;
       for (std::size_t plane = 0; plane < kPlanes; ++plane) {
-        const float expected = plane < kUpperX ? inf : -inf;
-        require(i < node.count ? planes[plane][i] != expected : planes[plane][i] == expected);
+        const float none = plane < kUpperX ? inf : -inf;
+        require(is_used ? raw.planes[plane][i] != none : raw.planes[plane][i] == none);
+        if constexpr (requires { raw.slopes; }) require(is_used || raw.slopes[plane][i] == 0.0f);
       }
+      require(is_used || raw.children[i] == 0);
+      if constexpr (requires { raw.time_last; })
+        require(is_used || (raw.time_begin[i] == 0.0f && raw.time_last[i] == 0.0f));
     }
+    if constexpr (std::is_same_v<Node, LinearNode>) require(raw.time_begin == node.range.begin);
+  }
+
+  static void check_slots(LinkKind kind, const NodeSlots& node, const std::byte* data) {
+    if (kind == LinkKind::kStaticNode) return check_slots<StaticNode>(node, data);
+    if (kind == LinkKind::kLinearNode) return check_slots<LinearNode>(node, data);
+    check_slots<SpatialTemporalNode>(node, data);
   }
 
   std::span<const std::byte> block_;
@@ -240,6 +266,8 @@ class Check {
 OrderedBlock in_order(const StoredTree& tree) {
   OrderedBlock ordered;
   if (tree.is_empty) return ordered;
+  if (tree.counts.indexed_leaves > 0 && tree.space.end() > kMaxUnits / 2)
+    throw std::length_error("a structure of more than 16 GiB with indexed leaves cannot be saved");
   ordered.bytes.reserve(tree.space.end() * kUnitBytes);
   Ordering ordering(tree, ordered.bytes);
   ordered.root = ordering.write(tree.root.link, tree.root.range);
@@ -257,7 +285,8 @@ TreeCounts checked_counts(std::span<const std::byte> block, std::size_t indexed_
   for (std::size_t plane = 0; plane < kPlanes; ++plane)
     require(std::isfinite(root.planes[plane]) && std::isfinite(root.slopes[plane]));
   const Check check(block, indexed_bytes, table, mesh_of_record);
-  const Check::Subtree all = check.visit(root, 0, 0);
+  constexpr float inf = std::numeric_limits<float>::infinity();
+  const Check::Subtree all = check.visit(root, 0, 0, Box4{F32x4(-inf), F32x4(inf)});
   require(all.end * kUnitBytes + indexed_bytes == block.size());
   return all.counts;
 }

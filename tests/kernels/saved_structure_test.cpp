@@ -309,5 +309,129 @@ TEST(SavedStructure, ThatMeansHarmIsRefusedOrHarmless) {
   EXPECT_LT(refused, static_cast<std::size_t>(runs));
 }
 
+FileHeader header_of(const Bytes& file) {
+  FileHeader header;
+  std::memcpy(static_cast<void*>(&header), file.data(), sizeof header);
+  return header;
+}
+
+/// Calls `change` with each link below `link`, and the bytes that it leads to.
+void for_each_link(Bytes& file, Link link, const std::function<void(Link, std::byte*)>& change) {
+  std::byte* const data = file.data() + header_of(file).block.offset + unit_of(link) * kUnitBytes;
+  const bool is_leaf = kind_of(link) == LinkKind::kLeaf;
+  const NodeSlots node = is_leaf ? NodeSlots{} : read_node(kind_of(link), data, {0, 1});
+  change(link, data);
+  for (const NodeSlot& child : node.used()) for_each_link(file, child.link, change);
+}
+
+template <typename Node>
+void change_nodes(Bytes& file, LinkKind kind, const std::function<void(Node&)>& change) {
+  std::size_t count = 0;
+  for_each_link(file, header_of(file).root.link, [&](Link link, std::byte* data) {
+    if (kind_of(link) != kind) return;
+    Node node;
+    std::memcpy(&node, data, sizeof node);
+    change(node);
+    std::memcpy(data, &node, sizeof node);
+    ++count;
+  });
+  ASSERT_GT(count, 0u);
+}
+
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+
+/// What rays would compute there is not a number, and comparisons of such let them in.
+TEST(SavedStructure, WithNumbersThatAreNoneWhereNoChildIsIsRefused) {
+  std::vector<TestMesh> meshes{test::sphere(3, 2)};
+  const Bytes file = saved(*Structure::build(views(meshes)), views(meshes));
+  const auto is_free = [](const LinearNode& node, std::size_t i) {
+    return !(node.planes[0][i] <= node.planes[3][i]);
+  };
+  const std::function<void(LinearNode&)> changes[] = {[](LinearNode& node) { node.time_begin = kNan; },
+                                                      [&](LinearNode& node) {
+                                                        for (std::size_t i = 0; i < kWidth; ++i) {
+                                                          if (is_free(node, i)) node.slopes[2][i] = kNan;
+                                                        }
+                                                      },
+                                                      [&](LinearNode& node) {
+                                                        for (std::size_t i = 0; i < kWidth; ++i) {
+                                                          if (is_free(node, i)) node.children[i] = 7;
+                                                        }
+                                                      },
+                                                      [](LinearNode& node) { node.slopes[1][0] = kNan; }};
+  for (const auto& change : changes) {
+    Bytes harmful = file;
+    change_nodes<LinearNode>(harmful, LinkKind::kLinearNode, change);
+    EXPECT_EQ(problem_of(resealed(std::move(harmful))), "has a tree that is not one");
+  }
+}
+
+TEST(SavedStructure, WithASegmentThatIsNotThereIsRefused) {
+  std::vector<TestMesh> meshes{test::at_times(test::soup(60, 6, 9), test::uneven_times(6, 4))};
+  BuildSettings settings;
+  settings.max_bytes = Structure::build(views(meshes))->statistics().structure_bytes / 2;
+  Bytes file = saved(*Structure::build(views(meshes), settings), views(meshes));
+  std::size_t changed = 0;
+  for_each_link(file, header_of(file).root.link, [&](Link link, std::byte* data) {
+    LeafHeader leaf;
+    if (kind_of(link) != LinkKind::kLeaf) return;
+    std::memcpy(&leaf, data, sizeof leaf);
+    if (leaf.indexed == 0) return;
+    leaf.first_segment = 60000;
+    std::memcpy(data, &leaf, sizeof leaf);
+    ++changed;
+  });
+  ASSERT_GT(changed, 0u);
+  EXPECT_EQ(problem_of(resealed(std::move(file))), "has a tree that is not one");
+}
+
+/// An update finds the leaves of a mesh by its box, and reads its triangles.
+TEST(SavedStructure, IsChangedSafelyWhateverItHolds) {
+  std::vector<TestMesh> meshes;
+  for (int i = 0; i < 8; ++i)
+    meshes.push_back(test::sphere(6, 2, test::tumble, {4.0f * static_cast<float>(i), 0, 0}));
+  const auto good = static_cast<std::uint32_t>(meshes[0].indices.size() / 3);
+  meshes[0].indices.insert(meshes[0].indices.end(), {0x0fffffff, 0x0ffffffe, 0x0ffffffd});
+  const Bytes file = saved(*Structure::build(views(meshes)), views(meshes), {.with_buffers = false});
+  constexpr std::size_t kMeshBytes = 80, kBounds = 20,
+                        kInvalid = kBounds + sizeof(Box3f) + 8;  // in the tables
+  const std::size_t record = header_of(file).tables.offset + meshes.size() * kMeshBytes;
+
+  Bytes elsewhere = file;
+  const Box3f box{{1e6f, 1e6f, 1e6f}, {1e6f, 1e6f, 1e6f}};
+  std::memcpy(elsewhere.data() + record + kBounds, &box, sizeof box);
+  const SavedStructure moved(resealed(std::move(elsewhere)));
+  EXPECT_EQ(problem_of([&] { moved.structure(views(meshes)); }), "has a tree that is not one");
+
+  Bytes beyond = file;
+  const std::uint64_t none = 0;
+  std::uint64_t invalid = 0;
+  std::memcpy(&invalid, beyond.data() + record + kInvalid, sizeof invalid);
+  ASSERT_EQ(invalid, 1u);
+  std::memcpy(beyond.data() + record + kInvalid, &none, sizeof none);
+  for_each_link(beyond, header_of(beyond).root.link, [&](Link link, std::byte* data) {
+    LeafHeader leaf;
+    if (kind_of(link) != LinkKind::kLeaf) return;
+    std::memcpy(&leaf, data, sizeof leaf);
+    if (leaf.mesh == 0) leaf.prim_ids[0] = good;
+    std::memcpy(data, &leaf, sizeof leaf);
+  });
+  const SavedStructure outside(resealed(std::move(beyond)));
+  const auto structure = outside.structure(views(meshes));
+  for (auto& step : meshes[0].positions) {
+    for (Vec3f& p : step) p.x += 0.01f;
+  }
+  std::vector<MeshUpdate> updates;
+  for (std::size_t i = 0; i < meshes.size(); ++i)
+    updates.push_back({i, i == 0 ? MeshChange::kPositions : MeshChange::kNothing});
+  structure->update(views(meshes), updates);  // reads nothing that is not there, as sanitizers see
+}
+
+TEST(SavedStructure, OfMeshesWithoutTrianglesIsThereAgain) {
+  std::vector<TestMesh> meshes{TestMesh{{}, {{}}, {}, {}}};
+  const auto structure = Structure::build(views(meshes));
+  EXPECT_EQ(SavedStructure(saved(*structure, views(meshes))).structure()->statistics().triangles, 0u);
+}
+
 }  // namespace
 }  // namespace stbvh

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <limits>
 #include <memory>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -381,6 +382,30 @@ TEST(Update, IsCancelled) {
   scene.rebuild();
   scene.change(5, MeshChange::kAll);
   EXPECT_THROW(scene.commit(), BuildCancelled);
+}
+
+/// Of two, the mesh whose leaves are behind those of the other, or before them: either leaves much room
+/// unused.
+TEST(Update, GivesUpWhereMemoryWouldLieUnused) {
+  for (const std::size_t gone : {0u, 1u}) {
+    EditedScene scene({test::sphere(30, 2), test::sphere(28, 2, test::tumble, {100, 0, 0})}, {});
+    scene.remove(gone);
+    EXPECT_FALSE(scene.commit());
+  }
+}
+
+TEST(Update, OfMeshesThatComeFromTheSameOrFromNowhere) {
+  EditedScene scene(some_balls(14, 12), {});
+  scene.meshes()[5] = scene.meshes()[3];
+  scene.changes()[5] = {3, MeshChange::kNothing};  // the fourth is it already
+  scene.changes()[7].was = 1'000'000;
+  ASSERT_TRUE(scene.commit());
+  EXPECT_EQ(scene.last().meshes_built, 2u);
+  EXPECT_EQ(scene.last().meshes_removed, 2u);
+  expect_as_new(scene.structure(), scene.meshes(), scene.settings(), 6, 2000, "odd origins");
+  std::vector<MeshUpdate> too_few(3);
+  const auto structure = Structure::build(views(scene.meshes()));
+  EXPECT_THROW(structure->update(views(scene.meshes()), too_few), std::invalid_argument);
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstring>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string_view>
 #include <system_error>
 #include <utility>
 #include <vector>
@@ -23,7 +25,8 @@ using Json = nlohmann::json;
   throw SceneFileError(fmt::format("\"{}\" {}.", file.string(), problem));
 }
 
-// What a scene has beside its meshes' buffers, as CBOR ------------------------------------------------------
+// What a scene has beside its meshes' buffers: JSON, its length before it, pixels behind it
+// ------------------------------------------------------
 
 Json to_json(const Vec3f& v) {
   return {v.x, v.y, v.z};
@@ -52,7 +55,7 @@ void enter(const Json& json, Mesh& mesh) {
                    json.at(4).get<float>(), to_vector(json.at(5))};
 }
 
-std::vector<std::uint8_t> surroundings_of(const Scene& scene) {
+std::string surroundings_of(const Scene& scene) {
   Json json;
   json["tolerance"] = scene.tolerance;
   if (scene.max_bytes) json["max_bytes"] = *scene.max_bytes;
@@ -71,31 +74,54 @@ std::vector<std::uint8_t> surroundings_of(const Scene& scene) {
                               light.inner_angle_degrees, light.outer_angle_degrees});
   if (scene.environment) {
     const Environment& sky = *scene.environment;
-    const auto* const bytes = reinterpret_cast<const std::uint8_t*>(sky.pixels.data());
-    json["environment"] = {to_json(sky.radiance), sky.width, sky.height,
-                           Json::binary({bytes, bytes + sky.pixels.size() * sizeof(Vec3f)})};
+    json["environment"] = {to_json(sky.radiance), sky.width, sky.height};
   }
-  return Json::to_cbor(json);
+  // Names may hold bytes that are not UTF-8: replaced, not thrown over.
+  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  const std::uint64_t length = text.size();
+  std::string result(reinterpret_cast<const char*>(&length), sizeof length);
+  result += text;
+  if (scene.environment) {
+    const std::vector<Vec3f>& pixels = scene.environment->pixels;
+    result.append(reinterpret_cast<const char*>(pixels.data()), pixels.size() * sizeof(Vec3f));
+  }
+  return result;
 }
 
-Environment to_environment(const Json& json) {
+Environment to_environment(const Json& json, std::span<const std::byte> bytes) {
   Environment sky;
   sky.radiance = to_vector(json.at(0));
   sky.width = json.at(1).get<std::size_t>();
   sky.height = json.at(2).get<std::size_t>();
-  const auto& bytes = json.at(3).get_binary();
   const std::size_t pixels = bytes.size() / sizeof(Vec3f);
   const bool fits = sky.height == 0 ? sky.width == 0 && pixels == 0
                                     : pixels % sky.height == 0 && pixels / sky.height == sky.width;
   if (!fits || bytes.size() % sizeof(Vec3f) != 0) throw std::out_of_range("pixels");
   sky.pixels.resize(pixels);
-  std::memcpy(sky.pixels.data(), bytes.data(), bytes.size());
+  if (pixels > 0) std::memcpy(sky.pixels.data(), bytes.data(), bytes.size());
   return sky;
 }
 
+/// Refuses what no scene has: deep nesting needs a deep stack.
+Json parsed(std::string_view text) {
+  constexpr int kMostLevels = 8;
+  Json json = Json::parse(
+      text,
+      [](int depth, Json::parse_event_t, Json&) {
+        if (depth > kMostLevels) throw std::out_of_range("depth");
+        return true;
+      },
+      true);
+  return json;
+}
+
 void enter_surroundings(std::span<const std::byte> bytes, Scene& scene) {
-  const auto* const data = reinterpret_cast<const std::uint8_t*>(bytes.data());
-  const Json json = Json::from_cbor(data, data + bytes.size());
+  std::uint64_t length = 0;
+  if (bytes.size() < sizeof length) throw std::out_of_range("length");
+  std::memcpy(&length, bytes.data(), sizeof length);
+  bytes = bytes.subspan(sizeof length);
+  if (length > bytes.size()) throw std::out_of_range("length");
+  const Json json = parsed({reinterpret_cast<const char*>(bytes.data()), length});
   scene.tolerance = json.at("tolerance").get<float>();
   if (json.contains("max_bytes")) scene.max_bytes = json.at("max_bytes").get<std::size_t>();
   const Json& meshes = json.at("meshes");
@@ -109,7 +135,8 @@ void enter_surroundings(std::span<const std::byte> bytes, Scene& scene) {
   for (const Json& light : json.at("points"))
     scene.point_lights.push_back({to_vector(light.at(0)), to_vector(light.at(1)), to_vector(light.at(2)),
                                   light.at(3).get<float>(), light.at(4).get<float>()});
-  if (json.contains("environment")) scene.environment = to_environment(json.at("environment"));
+  if (json.contains("environment"))
+    scene.environment = to_environment(json.at("environment"), bytes.subspan(length));
 }
 
 // Buffers ---------------------------------------------------------------------------------------------------
@@ -137,7 +164,7 @@ bool copy_buffers(const MeshView& view, Mesh& mesh) {
 
 std::string to_saved_file(const Scene& scene, const Structure& structure) {
   const SceneViews views(scene);
-  const std::vector<std::uint8_t> surroundings = surroundings_of(scene);
+  const std::string surroundings = surroundings_of(scene);
   std::string file;
   save_structure(structure, views.meshes(), {.user_data = std::as_bytes(std::span(surroundings))},
                  [&](std::span<const std::byte> piece) {

@@ -204,6 +204,8 @@ class Structure {
   /// for each mesh; a mesh of before that none of them names is gone. The settings are those of the build;
   /// callbacks.step_bounds is called for refitted and built meshes only.
   ///
+  /// Throws std::invalid_argument unless there are as many updates as meshes, and what build() throws.
+  ///
   /// None: most has changed, rays would have more than 6 % more to do than in a tree built anew, by
   /// expected area, more than a quarter of the memory would be unused, or a limit does not allow it. Then,
   /// and after exceptions (as build() throws them), it may only be destroyed.
