@@ -77,7 +77,8 @@ class StructureImpl final : public Structure {
     tree_.indexed_leaf_bytes =
         encoder.leaf_bytes() - static_cast<std::size_t>(tree_.counts.leaf_units) * kUnitBytes;
     show(stbvh::root_children(tree));
-    make_statistics(std::max(context.memory.peak(), context.memory.current() + tree_.bytes()));
+    make_statistics(
+        std::max(context.memory.peak(), context.memory.current() + sizeof(StructureImpl) + tree_.bytes()));
     const bool is_limited = context.price.may_index || statistics_.indexed_leaves > 0;
     if (is_limited) {
       const auto wanted = static_cast<std::size_t>(tree.wanted_bytes()) + bytes_beside_block(context);
@@ -228,7 +229,7 @@ class StructureImpl final : public Structure {
     statistics_.temporal_splits = tree_.temporal_splits;
     statistics_.structure_bytes = sizeof(StructureImpl) + tree_.bytes();
     statistics_.wanted_bytes = statistics_.structure_bytes;
-    statistics_.peak_bytes = peak_bytes;
+    statistics_.peak_bytes = std::max(peak_bytes, statistics_.structure_bytes);
     tree_.meshes.enter_in(statistics_);
   }
 

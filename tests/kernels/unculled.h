@@ -11,6 +11,7 @@
 
 #include "kernels/builder/build_context.h"
 #include "kernels/builder/mesh_parts.h"
+#include "kernels/isolated.h"
 #include "limited.h"
 #include "off_plane.h"
 #include "test_meshes.h"
@@ -75,7 +76,9 @@ class Unculled {
   /// In the parts, and with the steps, that a structure keeps by default.
   void add(const MeshView& given) {
     const std::size_t first = context_.meshes.size();
-    add_mesh(context_, given, 0);
+    // Where a build does it: tasks have the flush-to-zero mode of the program's first, not that of this
+    // thread.
+    isolated([&] { add_mesh(context_, given, 0); });
     for (std::size_t i = first; i < context_.meshes.size(); ++i) add_triangles(i);
   }
 
