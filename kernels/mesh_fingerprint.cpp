@@ -3,20 +3,16 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstring>
 
+#include "content_hash.h"
 #include "isolated.h"
-
-#define XXH_INLINE_ALL
-#include <xxhash.h>
 
 namespace stbvh {
 namespace {
 
-constexpr std::size_t kElementBytes = 12;  ///< of a vertex, and of a triangle's indices
-constexpr std::size_t kChunk = 65536;      ///< elements that one thread reads
+constexpr std::size_t kChunk = 65536;  ///< elements that one thread reads
 
 /// Elements of a buffer, `stride` bytes apart.
 struct Elements {
@@ -26,28 +22,13 @@ struct Elements {
   std::size_t chunks() const { return (count + kChunk - 1) / kChunk; }
 };
 
-ContentHash hash_of(const void* data, std::size_t bytes) {
-  const XXH128_hash_t hash = XXH3_128bits(data, bytes);
-  return {hash.low64, hash.high64};
-}
-
-/// What lies between the elements does not count.
 ContentHash hash_of(const Elements& elements, std::size_t chunk) {
-  const std::size_t first = chunk * kChunk, count = std::min(kChunk, elements.count - first);
-  const auto* const data = static_cast<const std::byte*>(elements.data) + first * elements.stride;
-  if (elements.stride == kElementBytes) return hash_of(data, count * kElementBytes);
-  constexpr std::size_t kGathered = 512;
-  std::array<std::byte, kGathered * kElementBytes> gathered;
-  XXH3_state_t state;
-  XXH3_128bits_reset(&state);
-  for (std::size_t i = 0; i < count; i += kGathered) {
-    const std::size_t some = std::min(kGathered, count - i);
-    for (std::size_t k = 0; k < some; ++k)
-      std::memcpy(gathered.data() + k * kElementBytes, data + (i + k) * elements.stride, kElementBytes);
-    XXH3_128bits_update(&state, gathered.data(), some * kElementBytes);
-  }
-  const XXH128_hash_t hash = XXH3_128bits_digest(&state);
-  return {hash.low64, hash.high64};
+  const std::size_t first = chunk * kChunk;
+  ContentHasher hasher;
+  for_each_piece(static_cast<const std::byte*>(elements.data) + first * elements.stride,
+                 std::min(kChunk, elements.count - first), elements.stride,
+                 [&](std::span<const std::byte> bytes) { hasher.add(bytes); });
+  return hasher.hash();
 }
 
 Elements triangles_of(const MeshView& mesh) {
@@ -72,7 +53,7 @@ ContentHash frame_of(const MeshView& mesh) {
   add_time(mesh.time_range.begin);
   add_time(mesh.time_range.end);
   for (const float time : mesh.step_times) add_time(time);
-  return hash_of(words.data(), words.size() * sizeof words[0]);
+  return stbvh::hash_of(std::as_bytes(std::span(words)));
 }
 
 }  // namespace
@@ -101,7 +82,7 @@ std::vector<MeshFingerprint> fingerprints_of(std::span<const MeshView> meshes) {
   const auto joint = [&](std::vector<ContentHash> parts, std::size_t count) {
     parts.insert(parts.end(), next, next + static_cast<std::ptrdiff_t>(count));
     next += static_cast<std::ptrdiff_t>(count);
-    return hash_of(parts.data(), parts.size() * sizeof parts[0]);
+    return stbvh::hash_of(std::as_bytes(std::span(parts)));
   };
   for (const MeshView& mesh : meshes) {
     std::size_t chunks = 0;

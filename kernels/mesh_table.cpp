@@ -15,9 +15,14 @@ std::size_t bytes_of_entry(std::size_t steps, std::size_t times) {
 
 }  // namespace
 
-std::uint32_t MeshTable::add(const BuildContext& context, const BinaryTree& tree, std::size_t i) {
-  const BuildMesh& mesh = context.meshes[i];
-  const MeshletSet& meshlets = context.meshlets[i];
+std::vector<std::uint32_t> MeshTable::add(const BuildContext& context, const BinaryTree& tree) {
+  std::vector<std::uint32_t> records;
+  for (std::size_t i = 0; i < context.meshes.size(); ++i)
+    records.push_back(add(context.meshes[i], context.meshlets[i], to_box3f(tree.mesh_bounds(i))));
+  return records;
+}
+
+std::uint32_t MeshTable::add(const BuildMesh& mesh, const MeshletSet& meshlets, const Box3f& bounds) {
   if (free_.empty()) {
     free_.push_back(static_cast<std::uint32_t>(records_.size()));
     records_.emplace_back();
@@ -35,9 +40,9 @@ std::uint32_t MeshTable::add(const BuildContext& context, const BinaryTree& tree
   room->deviation = mesh.deviation();
   room->is_part = mesh.is_part();
   room->is_used = true;
-  room->bounds = to_box3f(tree.mesh_bounds(i));
+  room->bounds = bounds;
   room->invalid_triangles = meshlets.invalid_triangles;
-  const bool is_alive = mesh.is_static() || (mesh.grid().begin <= 1.0f && mesh.grid().end >= 0.0f);
+  const bool is_alive = bounds.lower.x <= bounds.upper.x;
   room->triangles = is_alive ? meshlets.triangles : 0;
   room->primitive_segments = room->triangles * std::max<std::size_t>(mesh.segments(), 1);
   records_[number] = {mesh.grid(),

@@ -30,8 +30,8 @@ struct MeshEntry {
 
 class MeshTable {
  public:
-  /// Enters the mesh of number `i` in a build and returns the number of its record.
-  std::uint32_t add(const BuildContext& context, const BinaryTree& tree, std::size_t i);
+  /// Enters the meshes of a build, whose tree there is, and returns the numbers of their records.
+  std::vector<std::uint32_t> add(const BuildContext& context, const BinaryTree& tree);
   /// Enters what was saved of a mesh.
   void restore(MeshEntry entry, const MeshRecord& record);
   /// No leaf may be left that names it.
@@ -45,7 +45,6 @@ class MeshTable {
   const MeshRecord& record(std::uint32_t record) const { return records_[record]; }
   MeshEntry& entry(std::uint32_t record) { return entries_[record]; }
   const MeshEntry& entry(std::uint32_t record) const { return entries_[record]; }
-  std::span<const MeshEntry> entries() const { return entries_; }
 
   /// What is known of the meshes.
   void enter_in(BuildStatistics& statistics) const;
@@ -56,6 +55,8 @@ class MeshTable {
   static std::size_t bytes_of(const std::vector<BuildMesh>& meshes);
 
  private:
+  std::uint32_t add(const BuildMesh& mesh, const MeshletSet& meshlets, const Box3f& bounds);
+
   std::vector<MeshRecord> records_;
   std::vector<MeshEntry> entries_;
   std::vector<std::uint32_t> free_;  ///< records that no mesh uses

@@ -41,12 +41,6 @@ void one_by_one(const RayBatch& batch, const Trace& trace) {
   }
 }
 
-std::vector<std::uint32_t> entered(MeshTable& table, const BuildContext& context, const BinaryTree& tree) {
-  std::vector<std::uint32_t> records;
-  for (std::size_t i = 0; i < context.meshes.size(); ++i) records.push_back(table.add(context, tree, i));
-  return records;
-}
-
 /// Without the rounding of the root's planes.
 std::vector<TimedBounds> root_children(const BinaryTree& tree) {
   const BinaryNode* const root = tree.root();
@@ -64,7 +58,7 @@ class StructureImpl final : public Structure {
                 const Encoder& encoder)
       : kernels_(kernel_table(default_isa(), context.settings.precision)),
         tree_(context.settings, callbacks, encoder.bytes()) {
-    const std::vector<std::uint32_t> records = entered(tree_.meshes, context, tree);
+    const std::vector<std::uint32_t> records = tree_.meshes.add(context, tree);
     tree_.is_empty = tree.root() == nullptr;
     if (!tree_.is_empty) {
       const Link root = encoder.encode(tree_.block.data(), 0, records);
@@ -205,7 +199,7 @@ class StructureImpl final : public Structure {
     view_.time_begin = tree_.root.range.begin;
     view_.time_last = tree_.root.range.last;
     Box4 all = Box4::empty();
-    for (const TimedBounds& child : root_children_) all.extend(united(child.bounds.begin, child.bounds.end));
+    for (const TimedBounds& child : root_children_) all.extend(child.bounds.whole());
     for (int axis = 0; axis < 3; ++axis) {
       view_.lower[axis] = all.lower[axis];
       view_.upper[axis] = all.upper[axis];
@@ -322,11 +316,7 @@ std::unique_ptr<Structure> Structure::build(std::span<const MeshView> meshes, co
     for (std::size_t i = 0; i < meshes.size(); ++i) add_mesh(context, meshes[i], i);
     context.progress.start();
     BinaryTree tree(context);
-    for (std::size_t i = 0; callbacks.step_bounds && i < context.meshes.size(); ++i) {
-      const BuildMesh& mesh = context.meshes[i];
-      callbacks.step_bounds(mesh.index(), step_bounds(mesh, context.meshlets[i].meshlets()),
-                            mesh.view().step_times);
-    }
+    tell_step_bounds(context, callbacks);
     const Encoder encoder = build_within_limits(context, tree, StructureImpl::bytes_beside_block(context));
     structure = std::make_unique<StructureImpl>(context, callbacks, tree, encoder);
     context.progress.finish();

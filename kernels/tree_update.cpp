@@ -78,43 +78,39 @@ class Update {
         meshes = std::max<std::size_t>(meshes, tree_.meshes.record(record).index + 1);
     }
     std::vector<std::size_t> now(meshes, kNowhere);
-    std::vector<bool> is_new(meshes_.size());
     for (std::size_t i = 0; i < updates_.size(); ++i) {
       // Of several that say they were the same the first is it.
       const std::size_t was = updates_[i].was;
-      is_new[i] = was >= meshes || now[was] != kNowhere;
-      if (!is_new[i]) now[was] = i;
+      if (was < meshes && now[was] == kNowhere) now[was] = i;
     }
     index_of_record_.assign(tree_.meshes.size(), kNowhere);
     fates_.assign(tree_.meshes.size(), RecordEdit::Fate::kStays);
     moved_.resize(tree_.meshes.size());
-    std::vector<bool> is_gone(meshes);
+    std::vector<bool> is_gone(meshes), is_kept(meshes_.size());
     for (std::uint32_t record = 0; record < tree_.meshes.size(); ++record) {
       if (!tree_.meshes.entry(record).is_used) continue;
       const std::uint32_t was = tree_.meshes.record(record).index;
       const std::size_t index = now[was];
-      if (index == kNowhere) {
-        if (!is_gone[was]) ++statistics_.meshes_removed;  // its other parts are gone too
-        is_gone[was] = true;
-        fates_[record] = RecordEdit::Fate::kRemoved;
-        continue;
-      }
-      index_of_record_[record] = index;
-      if (updates_[index].change == MeshChange::kNothing) continue;
-      if (updates_[index].change == MeshChange::kPositions && moves(record, index)) {
-        fates_[record] = RecordEdit::Fate::kMoved;
-      } else {
-        fates_[record] = RecordEdit::Fate::kRemoved;
-        is_new[index] = true;
+      fates_[record] = index == kNowhere ? RecordEdit::Fate::kRemoved : fate_of(record, index);
+      if (fates_[record] != RecordEdit::Fate::kRemoved) {
+        index_of_record_[record] = index;
+        is_kept[index] = true;
+      } else if (index == kNowhere && !is_gone[was]) {
+        ++statistics_.meshes_removed;
+        is_gone[was] = true;  // with its other parts
       }
     }
-    std::vector<bool> is_known(meshes_.size());
-    for (const std::size_t index : index_of_record_) {
-      if (index != kNowhere) is_known[index] = true;
+    for (std::size_t i = 0; i < meshes_.size(); ++i) {
+      if (!is_kept[i]) new_meshes_.push_back(i);
     }
-    for (std::size_t i = 0; i < is_new.size(); ++i) {
-      if (is_new[i] || !is_known[i]) new_meshes_.push_back(i);
-    }
+  }
+
+  /// Of the record of a mesh that is still there, as number `index`.
+  RecordEdit::Fate fate_of(std::uint32_t record, std::size_t index) {
+    const MeshChange change = updates_[index].change;
+    if (change == MeshChange::kNothing) return RecordEdit::Fate::kStays;
+    const bool is_refitted = change == MeshChange::kPositions && moves(record, index);
+    return is_refitted ? RecordEdit::Fate::kMoved : RecordEdit::Fate::kRemoved;
   }
 
   /// Whether the leaves can stay what they are but for their positions.
@@ -200,9 +196,8 @@ class Update {
   std::vector<RecordEdit> edits(std::span<const std::uint32_t> records, RecordEdit::Fate fate) const {
     std::vector<RecordEdit> result(tree_.meshes.size());
     for (const std::uint32_t record : records) {
-      const Box3f& box = tree_.meshes.entry(record).bounds;
       const BuildMesh* const mesh = moved_[record] ? &*moved_[record] : nullptr;
-      result[record] = {fate, mesh, Box4{F32x4(box.lower), F32x4(box.upper)}};
+      result[record] = {fate, mesh, to_box4(tree_.meshes.entry(record).bounds)};
     }
     return result;
   }
@@ -244,18 +239,11 @@ class Update {
     BuildContext context(tree_.settings, inner_);
     add_mesh(context, meshes_[index], index);
     BinaryTree built(context);
-    for (std::size_t i = 0; callbacks_.step_bounds && i < context.meshes.size(); ++i) {
-      const BuildMesh& mesh = context.meshes[i];
-      callbacks_.step_bounds(index, step_bounds(mesh, context.meshlets[i].meshlets()),
-                             mesh.view().step_times);
-    }
+    tell_step_bounds(context, callbacks_);
     built.build(std::numeric_limits<double>::infinity());
-    std::vector<std::uint32_t> records;
-    for (std::size_t i = 0; i < context.meshes.size(); ++i) {
-      records.push_back(tree_.meshes.add(context, built, i));
-      index_of_record_.resize(std::max<std::size_t>(index_of_record_.size(), records[i] + 1), kNowhere);
-      index_of_record_[records[i]] = index;
-    }
+    const std::vector<std::uint32_t> records = tree_.meshes.add(context, built);
+    index_of_record_.resize(tree_.meshes.size(), kNowhere);
+    for (const std::uint32_t record : records) index_of_record_[record] = index;
     ++statistics_.meshes_built;
     if (built.root() == nullptr) return true;
 

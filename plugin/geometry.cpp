@@ -10,6 +10,7 @@
 
 #include "plugin/device_memory.h"
 #include "plugin/files/output_file.h"
+#include "plugin/never_decreasing.h"
 #include "stbvh/saved_structure.h"
 
 namespace stbvh::plugin {
@@ -77,29 +78,22 @@ void Geometry::set_progress(RTCProgressMonitorFunction progress, void* user_ptr)
   progress_user_ptr_ = user_ptr;
 }
 
-void Geometry::commit() {
-  commit([this](std::shared_ptr<Structure> old, Committed& now, std::span<const MeshView> views,
-                BuildCallbacks callbacks, CommitReport& report) {
-    return make_structure(std::move(old), now, views, std::move(callbacks), report);
-  });
-}
-
-void Geometry::commit_saved(const char* file) {
-  commit([this, file](std::shared_ptr<Structure>, Committed& now, std::span<const MeshView> views,
-                      BuildCallbacks, CommitReport&) { return read_structure(file, now, views); });
+std::vector<MeshView> Geometry::views() const {
+  std::vector<MeshView> views;
+  for (const MeshDescription& mesh : meshes_) views.push_back(mesh.view());
+  return views;
 }
 
 void Geometry::save(const char* file) const {
   const Published* const published = user_geometry_.published();
   if (published == nullptr)
     throw ApiError(RTC_ERROR_INVALID_OPERATION, "nothing has been committed that could be saved");
-  std::vector<MeshView> views;
-  for (const MeshDescription& mesh : meshes_) views.push_back(mesh.view());
-  if (fingerprints_of(views) != committed_.fingerprints)
+  const std::vector<MeshView> meshes = views();
+  if (fingerprints_of(meshes) != committed_.fingerprints)
     throw ApiError(RTC_ERROR_INVALID_OPERATION, "meshes have changed since the last commit");
   const std::vector<std::byte> motions = to_bytes(committed_.motions);
   std::string bytes;
-  save_structure(*published->structure, views, {.with_buffers = false, .user_data = motions},
+  save_structure(*published->structure, meshes, {.with_buffers = false, .user_data = motions},
                  [&](std::span<const std::byte> piece) {
                    bytes.append(reinterpret_cast<const char*>(piece.data()), piece.size());
                  });
@@ -108,28 +102,28 @@ void Geometry::save(const char* file) const {
 
 std::shared_ptr<Structure> Geometry::read_structure(const char* file, Committed& now,
                                                     std::span<const MeshView> views) const {
-  const auto refuse = [&](const std::string& problem) {
-    throw ApiError(RTC_ERROR_INVALID_ARGUMENT, '"' + std::string(file) + "\" " + problem);
+  const auto refusal = [&](const std::string& problem) {
+    return ApiError(RTC_ERROR_INVALID_ARGUMENT, '"' + std::string(file) + "\" " + problem);
   };
   try {
     const SavedStructure saved{std::filesystem::path(file)};
-    if (saved.settings() != now.settings) refuse("was built with other settings than this geometry has");
+    if (saved.settings() != now.settings)
+      throw refusal("was built with other settings than this geometry has");
     std::vector<TimeRange> time_ranges;
     for (const MeshView& view : views) time_ranges.push_back(view.time_range);
     std::shared_ptr<Structure> structure = saved.structure(views);
     std::optional<MotionsOfMeshes> motions = to_motions(saved.user_data(), time_ranges);
-    if (!motions) refuse("was not written by stbvhSaveGeometry");
+    if (!motions) throw refusal("was not written by stbvhSaveGeometry");
     now.motions = std::move(*motions);
     return structure;
   } catch (const BadStructureFile& error) {
-    refuse(error.what());
+    throw refusal(error.what());
   } catch (const std::system_error& error) {
-    refuse("cannot be read: " + error.code().message());
+    throw refusal("cannot be read: " + error.code().message());
   }
-  return nullptr;
 }
 
-void Geometry::commit(const MakeStructure& make) {
+void Geometry::commit(const char* saved_file) {
   const auto start = std::chrono::steady_clock::now();
   std::shared_ptr<Structure> structure;
   if (user_geometry_.published() != nullptr) structure = user_geometry_.published()->structure;
@@ -144,16 +138,15 @@ void Geometry::commit(const MakeStructure& make) {
   }
   auto published = std::make_shared<Published>();
   published->runs_query_filters = layout.options_behind_arguments;
-  std::vector<MeshView> views;
-  for (const MeshDescription& mesh : meshes_) {
-    views.push_back(mesh.view());
-    published->add(published_mesh(mesh), views.back().mask);
-  }
+  const std::vector<MeshView> meshes = views();
+  for (std::size_t i = 0; i < meshes.size(); ++i) published->add(published_mesh(meshes_[i]), meshes[i].mask);
   TemporaryMemory temporary_memory(device_.get());
-  Committed now{settings_, fingerprints_of(views), {}};
+  Committed now{settings_, fingerprints_of(meshes), {}};
   CommitReport report;
   try {
-    structure = make(std::move(structure), now, views, build_callbacks(temporary_memory), report);
+    structure = saved_file != nullptr ? read_structure(saved_file, now, meshes)
+                                      : make_structure(std::move(structure), now, meshes,
+                                                       build_callbacks(temporary_memory), report);
   } catch (const BuildCancelled&) {
     if (temporary_memory.refused()) throw std::bad_alloc();
     throw ApiError(RTC_ERROR_CANCELLED, "the progress function cancelled the build");
@@ -214,12 +207,8 @@ BuildCallbacks Geometry::build_callbacks(TemporaryMemory& temporary_memory) cons
     return temporary_memory.report(bytes);
   };
   if (progress_ != nullptr) {
-    // An update that is given up is followed by a build: what was done stays done.
-    callbacks.progress = [progress = progress_, user_ptr = progress_user_ptr_,
-                          done = 0.0](double fraction) mutable {
-      done = std::max(done, fraction);
-      return progress(user_ptr, done);
-    };
+    callbacks.progress = never_decreasing([progress = progress_, user_ptr = progress_user_ptr_](
+                                              double fraction) { return progress(user_ptr, fraction); });
   }
   return callbacks;
 }

@@ -1,7 +1,6 @@
 /// The set of meshes behind an StbvhGeometry, its tree and its RTCGeometry.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -46,9 +45,9 @@ class Geometry {
 
   /// Builds the tree, or changes it where meshes have changed, and commits the RTCGeometry. On an exception
   /// the geometry is empty, and committed so.
-  void commit();
+  void commit() { commit(nullptr); }
   /// The same with the tree of a file that save() wrote: nothing is built.
-  void commit_saved(const char* file);
+  void commit_saved(const char* file) { commit(file); }
   /// Writes the tree that the last commit made. Throws OutputFileError too.
   void save(const char* file) const;
 
@@ -68,12 +67,10 @@ class Geometry {
     MotionsOfMeshes motions;
   };
 
-  /// Makes `now.motions` too.
-  using MakeStructure = std::function<std::shared_ptr<Structure>(
-      std::shared_ptr<Structure> old, Committed& now, std::span<const MeshView> views,
-      BuildCallbacks callbacks, CommitReport& report)>;
-
-  void commit(const MakeStructure& make);
+  std::vector<MeshView> views() const;
+  /// From a file, or without one of the meshes.
+  void commit(const char* saved_file);
+  // Both make `now.motions` too.
   std::shared_ptr<Structure> read_structure(const char* file, Committed& now,
                                             std::span<const MeshView> views) const;
   std::shared_ptr<Structure> make_structure(std::shared_ptr<Structure> old, Committed& now,

@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <array>
 #include <chrono>
 #include <functional>
-#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -68,17 +66,6 @@ double seconds_of(const std::function<void()>& work) {
   const auto start = std::chrono::steady_clock::now();
   work();
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-/// Of the same rays: where one structure hits something else than the other, or elsewhere. Triangles at the
-/// same distance are either's.
-std::size_t count_differing(const std::vector<HitRecord>& a, const std::vector<HitRecord>& b) {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const bool same = a[i].is_hit() == b[i].is_hit() && (!a[i].is_hit() || a[i].t == b[i].t);
-    count += same ? 0u : 1u;
-  }
-  return count;
 }
 
 /// One scene under edits.
@@ -165,7 +152,7 @@ class EditsRun {
     std::vector<HitRecord> hits(set.rays.size()), hits_anew(set.rays.size());
     trace(threads_, updated, set, hits);
     trace(threads_, anew, set, hits_anew);
-    result.differing = count_differing(hits, hits_anew);
+    result.differing = count_differing(hits, hits_anew, 0.0);
   }
 
   Scene scene_;

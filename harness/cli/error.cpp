@@ -102,7 +102,7 @@ std::string run_scene(const Scene& scene, const ErrorOptions& options, PinnedThr
     for (const JudgedRays& set : sets) {
       std::vector<HitRecord> hits(set.rays.rays.size());
       trace(threads, *structure, set.rays, hits);
-      const ErrorCounts counts = judge(oracle, diagonal(scene), set.rays, set.answers, hits);
+      const ErrorCounts counts = judge(oracle, diagonal(scene.bounds()), set.rays, set.answers, hits);
       results.push_back(to_result(scene, name, set.rays, counts));
       for (std::size_t i = 0; i < std::min(counts.differences.size(), kPrintedDifferences); ++i) {
         const Difference& d = counts.differences[i];

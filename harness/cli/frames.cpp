@@ -4,7 +4,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -56,23 +55,13 @@ RaySet in_animation(RaySet set, std::size_t frame, std::size_t frames) {
   return set;
 }
 
-std::size_t count_differing(const std::vector<HitRecord>& a, const std::vector<HitRecord>& b) {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    const bool both = a[i].is_hit() && b[i].is_hit();
-    const bool same =
-        both ? std::fabs(a[i].t - b[i].t) <= kFarOff * std::fabs(b[i].t) : a[i].is_hit() == b[i].is_hit();
-    count += same ? 0u : 1u;
-  }
-  return count;
-}
-
 /// One animation of one scene.
 class FramesRun {
  public:
   FramesRun(const Scene& shutter, std::size_t frames, const FramesOptions& options, PinnedThreads& threads,
             Progress& progress)
-      : frames_(frames),
+      : shutter_(shutter),
+        frames_(frames),
         options_(options),
         threads_(threads),
         progress_(progress),
@@ -111,7 +100,7 @@ class FramesRun {
     for (std::size_t i = 0; i < sampled; ++i) {
       const std::size_t frame = (2 * i + 1) * frames_ / (2 * sampled);
       progress_.stage(fmt::format("{}: {}, frame {} of {}", animation_.name, name, frame, frames_));
-      const Scene of_frame = frame_of(animation_, frame, frames_);
+      const Scene of_frame = frame_of(shutter_, frame);
       const auto each = build_structure(name, of_frame, options_.threads);
       builds.push_back(each->build_record().build_s);
       bytes.push_back(static_cast<double>(each->build_record().structure_bytes));
@@ -144,9 +133,10 @@ class FramesRun {
     ones.push_back(mrays / spread_of(one_s).median);
     eaches.push_back(mrays / spread_of(each_s).median);
     result.traced += set.rays.size();
-    result.differing += count_differing(hits, hits_each);
+    result.differing += count_differing(hits, hits_each, kFarOff);
   }
 
+  const Scene& shutter_;
   std::size_t frames_;
   const FramesOptions& options_;
   PinnedThreads& threads_;
@@ -160,7 +150,8 @@ void run_frames(const FramesOptions& options) {
   Report report;
   PinnedThreads threads(options.threads);
   std::string tables;
-  for_each_scene(options, progress, [&](const Scene& scene) {
+  for_each_scene(options, progress, [&](Scene scene) {
+    scene.max_bytes.reset();  // what one frame may take is not what all of them may
     std::vector<FramesResult> results;
     for (const std::size_t frames : options.frames) {
       const auto more = FramesRun(scene, frames, options, threads, progress).run();

@@ -23,11 +23,6 @@
 namespace stbvh::harness {
 namespace {
 
-Vec3 extent(const Scene& scene) {
-  const Box3f box = scene.bounds();
-  return to_double(box.upper) - to_double(box.lower);
-}
-
 /// In lower case, with its dot; empty where there is none.
 std::string extension_of(const std::string& name) {
   std::string extension = std::filesystem::path(name).extension().string();
@@ -100,11 +95,12 @@ std::optional<std::size_t> bytes_of(const MemoryBudget& budget, const Scene& sce
 Scene checked(Scene scene, const std::string& name) {
   scene.name = name;
   if (scene.triangle_count() == 0) throw UsageError(fmt::format("The scene \"{}\" has no triangles.", name));
-  const Vec3 size = extent(scene);
-  if (!std::isfinite(length(size))) {
+  const Box3f box = scene.bounds();
+  const double size = length(to_double(box.upper) - to_double(box.lower));
+  if (!std::isfinite(size)) {
     throw UsageError(fmt::format("The scene \"{}\" has positions that are not finite.", name));
   }
-  if (!(length(size) > 0)) throw UsageError(fmt::format("The scene \"{}\" has no extent.", name));
+  if (!(size > 0)) throw UsageError(fmt::format("The scene \"{}\" has no extent.", name));
   return scene;
 }
 
@@ -118,7 +114,7 @@ Scene handed_over(Scene scene, const Resampling& resampling, double tolerance, c
   if (scene.saved != nullptr && tolerance == 0 && !budget.bytes && !budget.share)
     return scene;  // as it was built
   scene.saved = nullptr;
-  scene.tolerance = static_cast<float>(tolerance * diagonal(scene));
+  scene.tolerance = static_cast<float>(tolerance * diagonal(scene.bounds()));
   scene.max_bytes = bytes_of(budget, scene);
   return scene;
 }
@@ -142,10 +138,6 @@ SceneSummary summarize(const Scene& scene) {
           .triangles = scene.triangle_count(),
           .primitive_segments = scene.primitive_segment_count(),
           .buffer_bytes = scene.buffer_bytes()};
-}
-
-double diagonal(const Scene& scene) {
-  return length(extent(scene));
 }
 
 }  // namespace stbvh::harness

@@ -32,9 +32,6 @@ void print_warning(const std::string& sentence);
 
 SceneSummary summarize(const Scene& scene);
 
-/// Length of the diagonal of the scene's bounds.
-double diagonal(const Scene& scene);
-
 /// `scene` as structures get it: with other steps, and with the tolerance (of its diagonal) and the bytes
 /// that they may take; of a share of embree's, `embree` is built for that.
 Scene handed_over(Scene scene, const Resampling& resampling, double tolerance, const MemoryBudget& budget);

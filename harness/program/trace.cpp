@@ -1,6 +1,7 @@
 #include "harness/program/trace.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace stbvh::harness {
 
@@ -36,6 +37,17 @@ TraceTimes trace_interleaved(PinnedThreads& threads, std::span<const StructureUn
     }
   }
   return times;
+}
+
+std::size_t count_differing(std::span<const HitRecord> a, std::span<const HitRecord> b, double far_off) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const bool both = a[i].is_hit() && b[i].is_hit();
+    const bool same =
+        both ? std::fabs(a[i].t - b[i].t) <= far_off * std::fabs(b[i].t) : a[i].is_hit() == b[i].is_hit();
+    count += same ? 0u : 1u;
+  }
+  return count;
 }
 
 }  // namespace stbvh::harness

@@ -27,4 +27,8 @@ TraceTimes trace_interleaved(PinnedThreads& threads, std::span<const StructureUn
                              const RaySet& rays, std::size_t repeats,
                              const std::function<void(std::size_t)>& on_repeat);
 
+/// Of the same rays: how many hit something in one answer alone, or elsewhere by more than `far_off` of the
+/// distance. Triangles at the same distance are either's.
+std::size_t count_differing(std::span<const HitRecord> a, std::span<const HitRecord> b, double far_off);
+
 }  // namespace stbvh::harness

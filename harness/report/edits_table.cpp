@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -14,15 +13,12 @@ namespace {
 template <typename Belongs>
 std::string row(const std::string& structure, const std::string& what, const std::vector<EditResult>& results,
                 const Belongs& belongs) {
-  std::vector<double> commits, rebuilds, ratios, speeds;
+  std::vector<double> commits, rebuilds, speeds;
   std::size_t traced = 0, differing = 0;
   for (const EditResult& r : results) {
     if (!belongs(r)) continue;
     commits.push_back(r.commit_s);
-    if (r.rebuild_s > 0) {
-      rebuilds.push_back(r.rebuild_s);
-      ratios.push_back(r.rebuild_s / r.commit_s);
-    }
+    if (r.rebuild_s > 0) rebuilds.push_back(r.rebuild_s);
     if (r.speed) speeds.push_back(r.speed->median);
     traced += r.traced;
     differing += r.differing;

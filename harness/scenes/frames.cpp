@@ -3,33 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
+#include <vector>
 
 namespace stbvh::harness {
 namespace {
-
-/// Everything of a scene but its meshes.
-Scene surroundings(const Scene& scene) {
-  Scene result;
-  result.name = scene.name;
-  result.camera = scene.camera;
-  result.camera_steps = scene.camera_steps;
-  result.directional_lights = scene.directional_lights;
-  result.point_lights = scene.point_lights;
-  result.environment = scene.environment;
-  result.tolerance = scene.tolerance;
-  return result;
-}
-
-/// Everything of a mesh but its steps.
-Mesh without_steps(const Mesh& mesh) {
-  Mesh result;
-  result.name = mesh.name;
-  result.indices = mesh.indices;
-  result.time_range = mesh.time_range;
-  result.mask = mesh.mask;
-  result.material = mesh.material;
-  return result;
-}
 
 void check(const Mesh& mesh, std::size_t frames) {
   if (mesh.is_static()) return;
@@ -41,56 +19,61 @@ void check(const Mesh& mesh, std::size_t frames) {
                                      mesh.name, frames * mesh.segment_count() + 1, frames, kMaxSteps));
 }
 
+/// Its meshes are about to be others.
+Scene without_structure(Scene scene) {
+  scene.saved = nullptr;
+  return scene;
+}
+
 }  // namespace
 
 Scene played(const Scene& shutter, std::size_t frames) {
-  Scene animation = surroundings(shutter);
-  for (const Mesh& mesh : shutter.meshes) {
+  Scene animation = without_structure(shutter);
+  for (std::size_t i = 0; i < shutter.meshes.size(); ++i) {
+    const Mesh& mesh = shutter.meshes[i];
     check(mesh, frames);
-    Mesh& played = animation.meshes.emplace_back(without_steps(mesh));
     const std::size_t segments = mesh.segment_count();
-    if (segments == 0) {
-      played.steps = mesh.steps;
-      continue;
-    }
-    for (std::size_t step = 0; step <= frames * segments; ++step) {
+    std::vector<VertexBuffer>& steps = animation.meshes[i].steps;
+    for (std::size_t step = steps.size(); segments > 0 && step <= frames * segments; ++step) {
       const std::size_t frame = step / segments, of_frame = step % segments;
-      played.steps.push_back(mesh.steps[frame % 2 == 0 ? of_frame : segments - of_frame]);
+      steps.push_back(mesh.steps[frame % 2 == 0 ? of_frame : segments - of_frame]);
     }
   }
   return animation;
 }
 
-Scene frame_of(const Scene& animation, std::size_t frame, std::size_t frames) {
-  Scene scene = surroundings(animation);
-  for (const Mesh& mesh : animation.meshes) {
-    Mesh& part = scene.meshes.emplace_back(without_steps(mesh));
-    const std::size_t segments = mesh.segment_count() / frames;
-    const auto first = mesh.steps.begin() + static_cast<std::ptrdiff_t>(frame * segments);
-    part.steps.assign(first, first + static_cast<std::ptrdiff_t>(segments + 1));
+Scene frame_of(const Scene& shutter, std::size_t frame) {
+  Scene scene = without_structure(shutter);
+  for (Mesh& mesh : scene.meshes) {
+    if (frame % 2 != 0) std::ranges::reverse(mesh.steps);
   }
   return scene;
 }
 
-Scene in_pieces(const Scene& scene) {
+Scene in_pieces(Scene scene) {
   constexpr std::size_t kMostSegments = kMaxSceneSteps - 1;
-  Scene result = surroundings(scene);
-  for (const Mesh& mesh : scene.meshes) {
+  std::vector<Mesh> pieces;
+  for (Mesh& mesh : scene.meshes) {
     const std::size_t segments = mesh.segment_count();
     if (segments <= kMostSegments) {
-      result.meshes.push_back(mesh);
+      pieces.push_back(std::move(mesh));
       continue;
     }
+    std::vector<float> times;
+    for (std::size_t step = 0; step <= segments; ++step)
+      times.push_back(static_cast<float>(mesh.step_time(step)));
+    const std::vector<VertexBuffer> steps = std::exchange(mesh.steps, {});
     for (std::size_t first = 0; first < segments; first += kMostSegments) {
       const std::size_t last = std::min(first + kMostSegments, segments);
-      Mesh& piece = result.meshes.emplace_back(without_steps(mesh));
-      piece.steps.assign(mesh.steps.begin() + static_cast<std::ptrdiff_t>(first),
-                         mesh.steps.begin() + static_cast<std::ptrdiff_t>(last + 1));
-      piece.time_range = {static_cast<float>(mesh.step_time(first)),
-                          static_cast<float>(mesh.step_time(last))};
+
+      Mesh& piece = pieces.emplace_back(mesh);
+      piece.steps.assign(steps.begin() + static_cast<std::ptrdiff_t>(first),
+                         steps.begin() + static_cast<std::ptrdiff_t>(last + 1));
+      piece.time_range = {times[first], times[last]};
     }
   }
-  return result;
+  scene.meshes = std::move(pieces);
+  return scene;
 }
 
 }  // namespace stbvh::harness

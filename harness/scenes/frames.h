@@ -13,11 +13,11 @@ namespace stbvh::harness {
 /// at times of its own, or would have more than kMaxSteps steps.
 Scene played(const Scene& shutter, std::size_t frames);
 
-/// Frame number `frame` of what played() made, over the times [0, 1].
-Scene frame_of(const Scene& animation, std::size_t frame, std::size_t frames);
+/// Frame number `frame` of that, over the times [0, 1].
+Scene frame_of(const Scene& shutter, std::size_t frame);
 
 /// The same motion in meshes of at most kMaxSceneSteps steps, each over a part of the time, for structures of
 /// Embree.
-Scene in_pieces(const Scene& scene);
+Scene in_pieces(Scene scene);
 
 }  // namespace stbvh::harness

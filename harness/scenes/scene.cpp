@@ -23,6 +23,11 @@ double Mesh::step_time(std::size_t step) const {
          (time_range.end - begin) * (static_cast<double>(step) / static_cast<double>(segment_count()));
 }
 
+double diagonal(const Box3f& box) {
+  if (!(box.lower.x <= box.upper.x)) return 0.0;
+  return length(to_double(box.upper) - to_double(box.lower));
+}
+
 bool looks_somewhere(const Camera& camera) {
   const Vec3 position = to_double(camera.position), axis = to_double(camera.target) - position;
   const double side = length(cross(axis, to_double(camera.up)));

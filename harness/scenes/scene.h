@@ -53,6 +53,9 @@ struct Material {
 /// Makes `box` as large as it must be for `p` to be in it.
 void extend(Box3f& box, Vec3f p);
 
+/// Length of the box's diagonal; 0 if it is empty.
+double diagonal(const Box3f& box);
+
 /// Most steps of a mesh that Embree takes, and with it the programs that scenes are compared with: those of
 /// files that have a step for each position, and of what is made with a number of steps. A mesh may have
 /// kMaxSteps.

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 namespace stbvh::harness {
 namespace {
@@ -10,16 +9,6 @@ namespace {
 constexpr double kFarthest = 0.05;      ///< that a mesh moves, of the diagonal
 constexpr double kDeformation = 0.003;  ///< of a mesh's own size
 constexpr double kFrame = 0.1;          ///< of the motion in the shutter, that an animation goes on by
-
-double length(const Vec3f& v) {
-  return std::sqrt(double{v.x} * v.x + double{v.y} * v.y + double{v.z} * v.z);
-}
-
-double diagonal_of(const Box3f& box) {
-  const auto& [lower, upper] = box;
-  if (!(lower.x <= upper.x)) return 0.0;
-  return length({upper.x - lower.x, upper.y - lower.y, upper.z - lower.z});
-}
 
 void add(Vec3f& p, const Vec3f& by) {
   p = {p.x + by.x, p.y + by.y, p.z + by.z};
@@ -34,7 +23,7 @@ std::span<const std::string_view> edit_kind_names() {
 }
 
 SceneEditor::SceneEditor(Scene& scene, std::uint64_t seed)
-    : scene_(scene), random_(seed, 3), diagonal_(diagonal_of(scene.bounds())) {
+    : scene_(scene), random_(seed, 3), diagonal_(diagonal(scene.bounds())) {
   for (const bool still : {false, true}) {
     for (std::size_t i = 0; i < scene.meshes.size() && (meshes_.empty() || !still); ++i) {
       const Mesh& mesh = scene.meshes[i];
@@ -50,7 +39,7 @@ std::vector<MeshEdit> SceneEditor::apply(EditKind kind) {
     case EditKind::kMoved:
       return {moved(mesh)};
     case EditKind::kDeformed:
-      return {deformed(mesh, kDeformation)};
+      return {deformed(mesh)};
     case EditKind::kReplaced:
       return {replaced(mesh)};
     case EditKind::kHidden:
@@ -94,11 +83,11 @@ MeshEdit SceneEditor::moved(std::size_t mesh) {
   return {mesh, MeshEdit::Extent::kPositions};
 }
 
-MeshEdit SceneEditor::deformed(std::size_t mesh, double share) {
+MeshEdit SceneEditor::deformed(std::size_t mesh) {
   std::vector<VertexBuffer>& steps = scene_.meshes[mesh].steps;
   Box3f box = Box3f::empty();
   for (const Vec3f& p : steps[0].span()) box.extend(p);
-  const double most = share * diagonal_of(box);
+  const double most = kDeformation * diagonal(box);
   for (std::size_t v = 0; v < steps[0].size(); ++v) {
     const Vec3f by = some_offset(most);
     for (VertexBuffer& step : steps) add(step[v], by);

@@ -40,9 +40,9 @@ class SceneEditor {
 
  private:
   std::size_t some_mesh();
-  Vec3f some_offset(double length);
+  Vec3f some_offset(double most);
   MeshEdit moved(std::size_t mesh);
-  MeshEdit deformed(std::size_t mesh, double length);
+  MeshEdit deformed(std::size_t mesh);
   MeshEdit replaced(std::size_t mesh);
   MeshEdit hidden(std::size_t mesh);
   MeshEdit masked(std::size_t mesh);

@@ -60,17 +60,16 @@ void invoke_both(bool parallel, const F& f, const G& g) {
 BinaryTree::BinaryTree(BuildContext& context)
     : context_(context), arenas_([&context] { return Arena(context.memory); }) {
   context_.meshlets.resize(context_.meshes.size());
-  mesh_bounds_.assign(context_.meshes.size(), Box4::empty());
   tbb::parallel_for(std::size_t{0}, context_.meshes.size(), [&](std::size_t i) {
     context_.meshlets[i] = make_meshlets(context_, context_.meshes[i]);
   });
-  for (const MeshletSet& set : context_.meshlets) invalid_triangles_ += set.invalid_triangles;
 }
 
 void BinaryTree::build(double bytes) {
   arenas_.clear();
   root_ = nullptr;
   temporal_splits_ = 0;
+  mesh_bounds_.assign(context_.meshes.size(), Box4::empty());
   std::size_t meshlets = 0;
   for (const MeshletSet& set : context_.meshlets) meshlets += set.meshlets().size();
   if (meshlets == 0) return;
@@ -107,8 +106,6 @@ BinaryTree::Subtree BinaryTree::build_root(ReferenceSet& set) {
 ReferenceSet BinaryTree::make_references(TemporaryArray<Reference>& storage) {
   // The times of any mesh, within [0, 1].
   float begin = 1.0f, last = 0.0f;
-  live_triangles_ = primitive_segments_ = 0;
-  mesh_bounds_.assign(context_.meshes.size(), Box4::empty());
   for (const BuildMesh& mesh : context_.meshes) {
     begin = std::min(begin, std::max(mesh.grid().begin, 0.0f));
     last = std::max(last, std::min(mesh.grid().end, 1.0f));
@@ -132,13 +129,9 @@ ReferenceSet BinaryTree::make_references(TemporaryArray<Reference>& storage) {
             make_reference(bounds, static_cast<std::uint32_t>(m), static_cast<std::uint32_t>(i));
       }
     });
-    for (std::size_t i = out; i < out + count; ++i) {
-      const LinearBounds bounds = storage.data()[i].bounds();
-      mesh_bounds_[m].extend(united(bounds.begin, bounds.end));
-    }
+    for (const Reference& reference : storage.span().subspan(out, count))
+      mesh_bounds_[m].extend(reference.bounds().whole());
     out += count;
-    live_triangles_ += set_of_mesh.triangles;
-    primitive_segments_ += set_of_mesh.triangles * std::max<std::size_t>(mesh.segments(), 1);
   }
   set.references = storage.span().first(out);
   set.range = range_;

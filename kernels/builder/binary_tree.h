@@ -35,11 +35,8 @@ class BinaryTree {
   BinaryNode* root() { return root_; }  ///< null: there is no valid triangle
   const BinaryNode* root() const { return root_; }
   ClosedTimeRange range() const { return range_; }
-  /// Of a mesh at all times; empty where it is never alive.
+  /// Of a mesh at all times, known once build() has been called; empty where it is never alive.
   const Box4& mesh_bounds(std::size_t mesh) const { return mesh_bounds_[mesh]; }
-  std::size_t live_triangles() const { return live_triangles_; }
-  std::size_t invalid_triangles() const { return invalid_triangles_; }
-  std::size_t primitive_segments() const { return primitive_segments_; }
   std::size_t temporal_splits() const { return temporal_splits_.load(); }
 
  private:
@@ -72,9 +69,6 @@ class BinaryTree {
   std::vector<Box4> mesh_bounds_;
   double total_work_ = 0;
   double wanted_bytes_ = 0;
-  std::size_t live_triangles_ = 0;
-  std::size_t invalid_triangles_ = 0;
-  std::size_t primitive_segments_ = 0;
   std::atomic<std::size_t> temporal_splits_{0};
 };
 

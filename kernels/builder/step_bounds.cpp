@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "builder/build_context.h"
 #include "simd/box4.h"
 
 namespace stbvh {
@@ -51,6 +52,14 @@ std::vector<Box3f> step_bounds(const BuildMesh& mesh, std::span<const Meshlet> m
   std::vector<Box3f> boxes;
   for (const VertexBufferView& step : mesh.view().steps) boxes.push_back(to_box3f(bounds_at(step, meshlets)));
   return boxes;
+}
+
+void tell_step_bounds(const BuildContext& context, const BuildCallbacks& callbacks) {
+  for (std::size_t i = 0; callbacks.step_bounds && i < context.meshes.size(); ++i) {
+    const BuildMesh& mesh = context.meshes[i];
+    callbacks.step_bounds(mesh.index(), step_bounds(mesh, context.meshlets[i].meshlets()),
+                          mesh.view().step_times);
+  }
 }
 
 }  // namespace stbvh

@@ -37,6 +37,11 @@ void add_sorted(NodeSlots& node, const NodeSlot& slot) {
   node.slots[place] = slot;
 }
 
+std::size_t found(const std::optional<std::size_t>& place) {
+  if (!place) throw BlockIsFull();
+  return *place;
+}
+
 }  // namespace
 
 std::vector<Insertion::Level> Insertion::way_to(const NodeSlot& subtree) const {
@@ -71,19 +76,13 @@ std::vector<Insertion::Level> Insertion::way_to(const NodeSlot& subtree) const {
   return way;
 }
 
-std::size_t Insertion::take(std::size_t units) {
-  const std::optional<std::size_t> place = space_.take(units);
-  if (!place) throw BlockIsFull();
-  return *place;
-}
-
 NodeSlot Insertion::paired(const NodeSlot& a, const NodeSlot& b, const ClosedTimeRange& range) {
   NodeSlots node;
   node.range = range;
   add_sorted(node, a);
   add_sorted(node, b);
   const LinkKind kind = node.kind();
-  const std::size_t place = take(node_units(kind));
+  const std::size_t place = found(space_.take(node_units(kind)));
   write_node(node, data_ + place * kUnitBytes);
   change_.add_node(kind, node.count);
   change_.expected_area += expected_area(node);
@@ -92,14 +91,7 @@ NodeSlot Insertion::paired(const NodeSlot& a, const NodeSlot& b, const ClosedTim
 
 Link Insertion::replace(Link link, const NodeSlots& before, const NodeSlots& after) {
   const LinkKind kind = after.kind();
-  const std::size_t units = node_units(kind_of(link)), needed = node_units(kind);
-  std::size_t place = unit_of(link);
-  if (needed > units) {
-    place = take(needed);
-    space_.give_back(unit_of(link), units);
-  } else if (needed < units) {
-    space_.give_back(place + needed, units - needed);
-  }
+  const std::size_t place = found(space_.resized(unit_of(link), node_units(kind_of(link)), node_units(kind)));
   write_node(after, data_ + place * kUnitBytes);
   change_.add_node(kind_of(link), before.count, -1);
   change_.add_node(kind, after.count);

@@ -40,7 +40,6 @@ class Insertion {
   NodeSlot paired(const NodeSlot& a, const NodeSlot& b, const ClosedTimeRange& range);
   /// Writes the node to where `link` is, or to a larger place.
   Link replace(Link link, const NodeSlots& before, const NodeSlots& after);
-  std::size_t take(std::size_t units);
 
   std::byte* data_;
   UnitSpace& space_;

@@ -11,6 +11,7 @@
 #include "builder/mbsah.h"
 #include "builder/merged_bounds.h"
 #include "builder/motion_bounds.h"
+#include "layout/leaf_segment.h"
 #include "layout/meshlet.h"
 
 namespace stbvh {
@@ -20,10 +21,6 @@ namespace {
 constexpr std::size_t kParallelLevels = 4;  ///< nodes above visit their children at once
 constexpr std::size_t kMostBoxes = 16;      ///< that each child is held against
 
-Box4 whole_box(const LinearBounds& bounds) {
-  return united(bounds.begin, bounds.end);
-}
-
 bool overlaps(const Box4& a, const Box4& b) {
   for (int axis = 0; axis < 3; ++axis) {
     if (a.lower[axis] > b.upper[axis] || b.lower[axis] > a.upper[axis]) return false;
@@ -32,16 +29,6 @@ bool overlaps(const Box4& a, const Box4& b) {
 }
 
 }  // namespace
-
-std::size_t steps_of(const LeafHeader& leaf, const MeshRecord& mesh, const ClosedTimeRange& range) {
-  const TimeGrid& grid = mesh.grid;
-  if (grid.is_static()) return 1;
-  const float last = std::min(range.last, grid.end);
-  if (!grid.is_uneven()) return segment_at(grid, last).segment - leaf.first_segment + 2;
-  const auto segments = static_cast<std::uint32_t>(-grid.segments);
-  return segment_among(mesh.step_times, leaf.first_segment, segments - 1, last).segment - leaf.first_segment +
-         2;
-}
 
 LinearBounds bounds_of(const NodeSlots& node) {
   std::array<TimedBounds, kWidth> children;
@@ -87,7 +74,7 @@ std::vector<std::uint32_t> TreeEdit::torn_records() const {
 }
 
 bool TreeEdit::may_hold_edits(const NodeSlot& slot) const {
-  const Box4 box = whole_box(slot.bounds());
+  const Box4 box = slot.bounds().whole();
   return std::ranges::any_of(edited_, [&](const Box4& edited) { return overlaps(box, edited); });
 }
 
@@ -106,7 +93,6 @@ TreeEdit::Outcome TreeEdit::visit_leaf(Link link, const ClosedTimeRange& range) 
   if (record.fate == RecordEdit::Fate::kRemoved) {
     outcome.is_gone = true;
     outcome.change.leaf_triangles = -std::int64_t{leaf.triangle_count};
-    leaves_removed_.fetch_add(1, std::memory_order_relaxed);
     if (leaf.indexed != 0) {  // others may share it
       outcome.change.indexed_leaves = -1;
       return outcome;
@@ -132,7 +118,7 @@ TreeEdit::Outcome TreeEdit::visit_leaf(Link link, const ClosedTimeRange& range) 
   outcome.slot = make_slot({bounds, range, link});
   leaves_moved_.fetch_add(1, std::memory_order_relaxed);
   const std::scoped_lock lock(mutex_);
-  bounds_[leaf.mesh].extend(whole_box(bounds));
+  bounds_[leaf.mesh].extend(bounds.whole());
   return outcome;
 }
 
@@ -180,14 +166,11 @@ TreeEdit::Outcome TreeEdit::rewritten(Link link, const NodeSlots& before, const 
   outcome.change.expected_area += expected_area(after);
   const std::size_t needed = node_units(kind);
   std::size_t place = unit;
-  if (needed > units) {
+  if (needed != units) {
     const std::scoped_lock lock(mutex_);
-    const std::optional<std::size_t> found = space_.take(needed);
+    const std::optional<std::size_t> found = space_.resized(unit, units, needed);
     if (!found) throw BlockIsFull();
     place = *found;
-    space_.give_back(unit, units);
-  } else if (needed < units) {
-    give_back(unit + needed, units - needed);
   }
   write_node(after, data_ + place * kUnitBytes);
   outcome.slot = make_slot({bounds_of(after), after.range, make_link(kind, place)});

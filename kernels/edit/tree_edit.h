@@ -44,7 +44,7 @@ class TreeEdit {
   Outcome apply(Link root, const ClosedTimeRange& range);
 
   std::size_t leaves_moved() const { return leaves_moved_.load(); }
-  std::size_t leaves_removed() const { return leaves_removed_.load(); }
+
   /// Boxes of the leaves of records that moved.
   const std::vector<Box4>& bounds() const { return bounds_; }
   /// Records that moved so that some leaf can no longer hold them: corners that shared a vertex have come
@@ -68,13 +68,11 @@ class TreeEdit {
   std::vector<Box4> bounds_;
   std::vector<std::uint8_t> torn_;
   std::mutex mutex_;  ///< of the space, bounds_ and torn_
-  std::atomic<std::size_t> leaves_moved_{0}, leaves_removed_{0};
+  std::atomic<std::size_t> leaves_moved_{0};
 };
 
 /// Linear bounds of a node over `range`.
 LinearBounds bounds_of(const NodeSlots& node);
-/// Steps that an inline leaf holds which is alive in `range`.
-std::size_t steps_of(const LeafHeader& leaf, const MeshRecord& mesh, const ClosedTimeRange& range);
 
 /// Of all children of a node.
 double expected_area(const NodeSlots& node);

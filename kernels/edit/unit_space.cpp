@@ -51,4 +51,14 @@ void UnitSpace::give_back(std::size_t first, std::size_t units) {
   }
 }
 
+std::optional<std::size_t> UnitSpace::resized(std::size_t first, std::size_t units, std::size_t needed) {
+  if (needed <= units) {
+    if (needed < units) give_back(first + needed, units - needed);
+    return first;
+  }
+  const std::optional<std::size_t> place = take(needed);
+  if (place) give_back(first, units);
+  return place;
+}
+
 }  // namespace stbvh

@@ -18,6 +18,9 @@ class UnitSpace {
   /// The first of `units` units next to each other; none where the block must grow for that.
   std::optional<std::size_t> take(std::size_t units);
   void give_back(std::size_t first, std::size_t units);
+  /// Where `units` from `first` on go on as `needed`: there, or elsewhere if these are more. What is not
+  /// needed is given back; none as of take(), then they stay.
+  std::optional<std::size_t> resized(std::size_t first, std::size_t units, std::size_t needed);
 
   /// Behind which nothing is in use.
   std::size_t end() const { return end_; }

@@ -28,6 +28,8 @@ struct LinearBounds {
     begin.extend(other.begin);
     end.extend(other.end);
   }
+  /// At all times.
+  Box4 whole() const { return united(begin, end); }
   bool is_static() const { return equal3(begin.lower, end.lower) && equal3(begin.upper, end.upper); }
 };
 

@@ -37,7 +37,4 @@ struct NodePlan {
 /// Units of memory that a node of this kind takes.
 std::size_t node_units(LinkKind kind);
 
-/// Writes a node of the kind plan.kind(), its bounds anchored and rounded outwards.
-void write_node(const NodePlan& plan, std::byte* out);
-
 }  // namespace stbvh

@@ -126,8 +126,10 @@ NodeSlots read_node(LinkKind kind, const std::byte* data, const ClosedTimeRange&
   }
 }
 
-void write_node(const NodeSlots& node, std::byte* out) {
-  switch (node.kind()) {
+namespace {
+
+void write(LinkKind kind, const NodeSlots& node, std::byte* out) {
+  switch (kind) {
     case LinkKind::kStaticNode:
       return write_as<StaticNode>(node, out);
     case LinkKind::kLinearNode:
@@ -135,6 +137,20 @@ void write_node(const NodeSlots& node, std::byte* out) {
     default:
       return write_as<SpatialTemporalNode>(node, out);
   }
+}
+
+}  // namespace
+
+void write_node(const NodeSlots& node, std::byte* out) {
+  write(node.kind(), node, out);
+}
+
+void write_node(const NodePlan& plan, std::byte* out) {
+  NodeSlots node;
+  node.range = plan.range;
+  for (const NodePlan::Child& child : std::span(plan.children).first(plan.count))
+    node.slots[node.count++] = make_slot(child);
+  write(plan.kind(), node, out);
 }
 
 }  // namespace stbvh

@@ -44,6 +44,8 @@ NodeSlots read_node(LinkKind kind, const std::byte* data, const ClosedTimeRange&
 
 /// Writes a node of the kind node.kind().
 void write_node(const NodeSlots& node, std::byte* out);
+/// Writes a node of the kind plan.kind(), its bounds anchored and rounded outwards.
+void write_node(const NodePlan& plan, std::byte* out);
 
 inline LinkKind kind_of(Link link) {
   return static_cast<LinkKind>(link >> kLinkKindShift);

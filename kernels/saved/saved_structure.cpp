@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "builder/build_mesh.h"
+#include "content_hash.h"
 #include "isolated.h"
 #include "layout/time_grid.h"
 #include "saved/file_format.h"
@@ -23,19 +24,9 @@
 #include "saved/tree_walk.h"
 #include "stored_tree.h"
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
 namespace stbvh {
 
 namespace {
-
-constexpr std::size_t kElementBytes = 12;  ///< of a vertex, and of a triangle's indices
-
-ContentHash hash_of(std::span<const std::byte> bytes) {
-  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
-  return {hash.low64, hash.high64};
-}
 
 template <typename T>
 std::span<const std::byte> bytes_of(const std::vector<T>& values) {
@@ -65,8 +56,7 @@ class HashedBody {
   void add(std::span<const std::byte> bytes) {
     while (!bytes.empty()) {
       const std::size_t some = std::min(bytes.size(), kHashedBytes - used_);
-      if (used_ == 0) XXH3_128bits_reset(&state_);
-      XXH3_128bits_update(&state_, bytes.data(), some);
+      hasher_.add(bytes.first(some));
       used_ += some;
       bytes = bytes.subspan(some);
       if (used_ == kHashedBytes) finish();
@@ -74,37 +64,20 @@ class HashedBody {
   }
   void finish() {
     if (used_ == 0) return;
-    const XXH128_hash_t hash = XXH3_128bits_digest(&state_);
-    hashes_.push_back({hash.low64, hash.high64});
+    hashes_.push_back(hasher_.hash());
+    hasher_ = {};
     used_ = 0;
   }
   const std::vector<ContentHash>& hashes() const { return hashes_; }
 
  private:
   std::vector<ContentHash> hashes_;
-  XXH3_state_t state_;
+  ContentHasher hasher_;
   std::size_t used_ = 0;
 };
 
 std::size_t buffer_bytes(const MeshView& mesh) {
   return kElementBytes * (mesh.triangle_count + mesh.steps.size() * mesh.steps[0].count);
-}
-
-/// Calls `use` with the elements of a buffer, side by side, in pieces.
-template <typename Use>
-void for_each_piece(const void* data, std::size_t count, std::size_t stride, const Use& use) {
-  if (stride == kElementBytes)
-    return use(std::span(static_cast<const std::byte*>(data), count * kElementBytes));
-  constexpr std::size_t kPiece = 65536;
-  std::vector<std::byte> piece;
-  for (std::size_t first = 0; first < count; first += kPiece) {
-    const std::size_t some = std::min(kPiece, count - first);
-    piece.resize(some * kElementBytes);
-    for (std::size_t i = 0; i < some; ++i)
-      std::memcpy(piece.data() + i * kElementBytes,
-                  static_cast<const std::byte*>(data) + (first + i) * stride, kElementBytes);
-    use(std::span<const std::byte>(piece));
-  }
 }
 
 template <typename Use>

@@ -12,8 +12,7 @@
 #include <type_traits>
 
 #include "builder/mbsah.h"
-#include "edit/tree_edit.h"
-#include "layout/time_grid.h"
+#include "layout/leaf_segment.h"
 #include "stbvh/saved_structure.h"
 
 namespace stbvh {
@@ -114,8 +113,7 @@ class Check {
 
   /// Of the subtree that begins at `begin`, if it has any units of its own; `within` is in all boxes above.
   Subtree visit(const NodeSlot& slot, std::size_t begin, std::size_t level, const Box4& within) const {
-    const LinearBounds bounds = slot.bounds();
-    const Box4 box = common(within, united(bounds.begin, bounds.end));
+    const Box4 box = common(within, slot.bounds().whole());
     return kind_of(slot.link) == LinkKind::kLeaf ? visit_leaf(slot, begin, box)
                                                  : visit_node(slot, begin, level, box);
   }
@@ -137,8 +135,7 @@ class Check {
     require(leaf.mesh < table_.size() && table_.entry(leaf.mesh).is_used);
     require(leaf.triangle_count > 0 && leaf.triangle_count <= kWidth);
     // A change finds the leaves of a mesh by its box: all boxes above and that one have something in common.
-    const Box3f& bounds = table_.entry(leaf.mesh).bounds;
-    const Box4 all = common(within, Box4{F32x4(bounds.lower), F32x4(bounds.upper)});
+    const Box4 all = common(within, to_box4(table_.entry(leaf.mesh).bounds));
     for (int axis = 0; axis < 3; ++axis) require(all.lower[axis] <= all.upper[axis]);
     const MeshView& mesh = mesh_of_record_[leaf.mesh];
     for (std::size_t i = 0; i < kWidth; ++i) {
@@ -158,7 +155,9 @@ class Check {
     if (!record.grid.is_static()) {
       const float first = std::max(slot.range.begin, record.grid.begin);
       require(first <= std::min(slot.range.last, record.grid.end));
-      require(first_segment(record, first) == leaf.first_segment);
+      LeafHeader from_start = leaf;
+      from_start.first_segment = 0;
+      require(segment_of(from_start, record, first).segment == leaf.first_segment);
     } else {
       require(leaf.first_segment == 0);
     }
@@ -168,12 +167,6 @@ class Check {
     result.counts.inline_leaves = 1;
     result.counts.leaf_units = static_cast<std::int64_t>(units);
     return result;
-  }
-
-  static std::uint32_t first_segment(const MeshRecord& record, float time) {
-    if (!record.grid.is_uneven()) return segment_at(record.grid, time).segment;
-    const auto segments = static_cast<std::uint32_t>(-record.grid.segments);
-    return segment_among(record.step_times, 0, segments - 1, time).segment;
   }
 
   /// Rays follow them into the caller's buffers.

@@ -26,6 +26,10 @@ inline Box3f to_box3f(const Box4& box) {
   return {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}};
 }
 
+inline Box4 to_box4(const Box3f& box) {
+  return {F32x4(box.lower), F32x4(box.upper)};
+}
+
 inline Box4 united(Box4 a, const Box4& b) {
   a.extend(b);
   return a;

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "layout/layout.h"
+#include "layout/leaf_segment.h"
 #include "traverse/ray_setup.inl"
 
 namespace stbvh {
@@ -50,14 +51,6 @@ struct LeafMotion {
   float fraction;
   alignas(32) StepVertices gathered[2];  ///< of an indexed leaf
 };
-
-inline SegmentTime segment_of(const LeafHeader& leaf, const MeshRecord& mesh, float time) {
-  if (mesh.grid.is_uneven()) [[unlikely]] {
-    const auto last = static_cast<std::uint32_t>(-mesh.grid.segments) - 1;
-    return segment_among(mesh.step_times, leaf.first_segment, last, time);
-  }
-  return segment_at(mesh.grid, time);
-}
 
 inline void load_motion(float time, const LeafHeader& leaf, const MeshRecord& mesh, LeafMotion& motion) {
   const bool is_static = mesh.grid.is_static();

@@ -1,12 +1,13 @@
 #include "plugin/preload/group.h"
 
-#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <new>
 #include <unordered_map>
 #include <utility>
 
+#include "plugin/never_decreasing.h"
 #include "plugin/preload/published_pool.h"
 #include "plugin/preload/real_embree.h"
 #include "plugin/preload/statistics.h"
@@ -126,11 +127,7 @@ BuildCallbacks Group::callbacks(const std::function<bool(double)>& progress, boo
     std::atomic_ref(refused).store(true, std::memory_order_relaxed);
     return false;
   };
-  // An update that is given up is followed by a build: what was done stays done.
-  result.progress = [&progress, done = 0.0](double fraction) mutable {
-    done = std::max(done, fraction);
-    return progress(done);
-  };
+  result.progress = plugin::never_decreasing(std::cref(progress));
   return result;
 }
 
