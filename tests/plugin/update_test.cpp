@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <string>
 
@@ -159,12 +160,14 @@ struct Watch {
 TEST(PluginEdits, RandomSequencesAnswerAsNew) {
   Watch watch;
   std::size_t updates = 0, failures = 0;
+  const char* const asked = std::getenv("STBVH_EDIT_SEQUENCES");  // a long run
+  const auto seeds = static_cast<std::uint32_t>(asked != nullptr ? std::atoi(asked) : 25);
   {
     const Device device = new_device();
     rtcSetDeviceErrorFunction(
         device.get(), [](void*, RTCError, const char*) {}, nullptr);
     rtcSetDeviceMemoryMonitorFunction(device.get(), Watch::on_memory, &watch);
-    for (std::uint32_t seed = 1; seed <= 25; ++seed) {
+    for (std::uint32_t seed = 1; seed <= seeds; ++seed) {
       Random random(seed);
       const auto up_to = [&](std::size_t n) {
         return std::min(static_cast<std::size_t>(random.unit() * static_cast<float>(n)), n - 1);
@@ -236,8 +239,8 @@ TEST(PluginEdits, RandomSequencesAnswerAsNew) {
     }
   }
   EXPECT_EQ(watch.bytes, 0);
-  EXPECT_GT(updates, 150u);
-  EXPECT_GT(failures, 20u);
+  EXPECT_GT(updates, 6u * seeds);
+  EXPECT_GT(failures, seeds * 4 / 5);
 }
 
 TEST_F(PluginUpdates, SavedTreesAreThereAgain) {
