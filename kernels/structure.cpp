@@ -258,7 +258,7 @@ Encoder build_within_limits(BuildContext& context, BinaryTree& tree, std::size_t
     try {
       tree.build(aim);
       const std::size_t left = without(context.settings.max_peak_bytes, context.memory.current() + beside);
-      Encoder encoder(context, tree, std::min(most, left));
+      Encoder encoder(context, tree.root(), std::min(most, left));
       if (encoder.bytes() <= std::min(most, left) && beside <= context.settings.max_bytes) return encoder;
       if (encoder.bytes() + beside > context.settings.max_bytes) needed = encoder.bytes() + beside;
       shrink = 0.9 * static_cast<double>(std::min(most, left)) /

@@ -247,7 +247,7 @@ class Update {
     ++statistics_.meshes_built;
     if (built.root() == nullptr) return true;
 
-    const Encoder encoder(context, built, kNoLimit);
+    const Encoder encoder(context, built.root(), kNoLimit);
     const std::optional<std::size_t> place = room_for(encoder.bytes() / kUnitBytes);
     if (!place) return false;
     const Link link = encoder.encode(tree_.block.data(), *place, records);

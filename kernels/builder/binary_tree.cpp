@@ -1,16 +1,14 @@
 #include "builder/binary_tree.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_group.h>
 
 #include <algorithm>
 #include <array>
 #include <new>
 
+#include "builder/make_references.h"
 #include "builder/mbsah.h"
 #include "builder/merged_bounds.h"
-#include "builder/motion_bounds.h"
 #include "builder/object_split.h"
 #include "builder/temporal_split.h"
 
@@ -24,7 +22,6 @@ constexpr std::size_t kSplitDepthLimit = 56;  ///< below, sets are only halved
 // below.
 static_assert(kSplitDepthLimit + 32 <= kMaxLevels, "the traversal's stacks hold no deeper tree");
 constexpr std::size_t kPollSet = 65536;  ///< sets from this size on ask the progress callback themselves
-constexpr std::size_t kChunk = 1024;
 
 /// Where TBB has no memory for it the tasks run to their end.
 void cancel(tbb::task_group& group) {
@@ -59,10 +56,7 @@ void invoke_both(bool parallel, const F& f, const G& g) {
 
 BinaryTree::BinaryTree(BuildContext& context)
     : context_(context), arenas_([&context] { return Arena(context.memory); }) {
-  context_.meshlets.resize(context_.meshes.size());
-  tbb::parallel_for(std::size_t{0}, context_.meshes.size(), [&](std::size_t i) {
-    context_.meshlets[i] = make_meshlets(context_, context_.meshes[i]);
-  });
+  make_meshlets(context);
 }
 
 void BinaryTree::build(double bytes) {
@@ -74,7 +68,10 @@ void BinaryTree::build(double bytes) {
   for (const MeshletSet& set : context_.meshlets) meshlets += set.meshlets().size();
   if (meshlets == 0) return;
   TemporaryArray<Reference> storage(context_.memory, meshlets);
-  ReferenceSet all = make_references(storage);
+  ReferenceSet all = make_references(context_, storage.span());
+  range_ = all.range;
+  for (const Reference& reference : all.references)
+    mesh_bounds_[reference.mesh].extend(reference.bounds().whole());
   if (all.size() == 0) return;
   choose_price(all, bytes);
   total_work_ =
@@ -101,42 +98,6 @@ BinaryTree::Subtree BinaryTree::build_root(ReferenceSet& set) {
   if (count == 0 || count == set.size()) return build_node(set, 0);
   const auto [still, moves] = set.split_at(count);
   return build_children(set.range, still, moves, 1);
-}
-
-ReferenceSet BinaryTree::make_references(TemporaryArray<Reference>& storage) {
-  // The times of any mesh, within [0, 1].
-  float begin = 1.0f, last = 0.0f;
-  for (const BuildMesh& mesh : context_.meshes) {
-    begin = std::min(begin, std::max(mesh.grid().begin, 0.0f));
-    last = std::max(last, std::min(mesh.grid().end, 1.0f));
-  }
-  ReferenceSet set;
-  if (begin > last) begin = last = 0.0f;  // nothing is ever alive
-  range_ = {begin, last};
-
-  std::size_t out = 0;
-  for (std::size_t m = 0; m < context_.meshes.size(); ++m) {
-    const BuildMesh& mesh = context_.meshes[m];
-    const MeshletSet& set_of_mesh = context_.meshlets[m];
-    const MotionSamples samples(mesh, range_);
-    if (samples.empty()) continue;
-    const std::size_t count = set_of_mesh.meshlets().size();
-    context_.progress.poll();
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kChunk), [&](const auto& part) {
-      for (std::size_t i = part.begin(); i != part.end(); ++i) {
-        const LinearBounds bounds = motion_bounds(mesh, samples, set_of_mesh.meshlets()[i].used_vertices());
-        storage.data()[out + i] =
-            make_reference(bounds, static_cast<std::uint32_t>(m), static_cast<std::uint32_t>(i));
-      }
-    });
-    for (const Reference& reference : storage.span().subspan(out, count))
-      mesh_bounds_[m].extend(reference.bounds().whole());
-    out += count;
-  }
-  set.references = storage.span().first(out);
-  set.range = range_;
-  set.update_bounds();
-  return set;
 }
 
 BinaryTree::Subtree BinaryTree::build_node(ReferenceSet set, std::size_t depth) {

@@ -46,7 +46,6 @@ class BinaryTree {
     CollapseCosts costs;
   };
 
-  ReferenceSet make_references(TemporaryArray<Reference>& storage);
   void choose_price(const ReferenceSet& all, double bytes);
   /// Static meshes and moving ones go to different sides of the root: what stands still is mostly large, and
   /// would stretch the boxes of what moves.

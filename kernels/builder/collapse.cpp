@@ -1,5 +1,7 @@
 #include "builder/collapse.h"
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "builder/mbsah.h"
@@ -74,6 +76,15 @@ WideChildren<BinaryNode> wide_children(BinaryInner& node) {
 }
 WideChildren<const BinaryNode> wide_children(const BinaryInner& node) {
   return children_of<const BinaryNode>(node);
+}
+
+void sort_for_occlusion(WideChildren<const BinaryNode>& children) {
+  const auto promise = [](const BinaryNode* node) {
+    return node->bounds().centre_area() / (1.0f + std::log2(static_cast<float>(node->subtree_leaves)));
+  };
+  std::stable_sort(children.nodes.begin(),
+                   children.nodes.begin() + static_cast<std::ptrdiff_t>(children.count),
+                   [&](const BinaryNode* a, const BinaryNode* b) { return promise(a) > promise(b); });
 }
 
 }  // namespace stbvh

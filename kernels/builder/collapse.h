@@ -36,4 +36,7 @@ struct WideChildren {
 WideChildren<BinaryNode> wide_children(BinaryInner& node);
 WideChildren<const BinaryNode> wide_children(const BinaryInner& node);
 
+/// The order in which occlusion rays try the children they meet: what is large and decides soon comes first.
+void sort_for_occlusion(WideChildren<const BinaryNode>& children);
+
 }  // namespace stbvh

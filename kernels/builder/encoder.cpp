@@ -5,7 +5,6 @@
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 #include "builder/collapse.h"
@@ -21,14 +20,6 @@ namespace {
 /// Subtrees of fewer leaves are walked by one thread.
 constexpr std::size_t kParallelLeaves = 4096;
 constexpr std::uint32_t kNone = 0xFFFFFFFFu;
-
-/// The order in which occlusion rays try the children they meet: what is large and decides soon comes first.
-bool is_tried_before(const BinaryNode* a, const BinaryNode* b) {
-  const auto promise = [](const BinaryNode* node) {
-    return node->bounds().centre_area() / (1.0f + std::log2(static_cast<float>(node->subtree_leaves)));
-  };
-  return promise(a) > promise(b);
-}
 
 NodePlan plan_node(const BinaryNode& node, std::span<const BinaryNode* const> children) {
   NodePlan plan;
@@ -67,18 +58,18 @@ void for_each_child(bool parallel, std::size_t count, const Body& body) {
 
 }  // namespace
 
-Encoder::Encoder(BuildContext& context, BinaryTree& tree, std::size_t most_bytes)
-    : context_(context), root_(tree.root()) {
-  if (tree.root() == nullptr) return;
-  counts_ = measure(*tree.root());
+Encoder::Encoder(BuildContext& context, BinaryNode* root, std::size_t most_bytes)
+    : context_(context), root_(root) {
+  if (root == nullptr) return;
+  counts_ = measure(*root);
   units_ = root_->units;
   if (bytes() > most_bytes) {
     std::size_t node_bytes = 0;
     for (const LinkKind kind : {LinkKind::kStaticNode, LinkKind::kLinearNode, LinkKind::kSpatialTemporalNode})
       node_bytes += static_cast<std::size_t>(counts_.nodes[static_cast<std::size_t>(kind)]) *
                     node_units(kind) * kUnitBytes;
-    choose_leaves(*tree.root(), most_bytes - std::min(node_bytes, most_bytes));
-    counts_ = measure(*tree.root());
+    choose_leaves(*root, most_bytes - std::min(node_bytes, most_bytes));
+    counts_ = measure(*root);
     units_ = root_->units;
   }
   if (bytes() > kMaxUnits * kUnitBytes) throw std::length_error("structure larger than 32 GiB");
@@ -198,8 +189,7 @@ Link Encoder::encode_node(const BinaryNode& node, const Target& target, std::siz
     return make_link(LinkKind::kLeaf, unit);
   }
   WideChildren<const BinaryNode> children = wide_children(as_inner(node));
-  std::stable_sort(children.nodes.begin(),
-                   children.nodes.begin() + static_cast<std::ptrdiff_t>(children.count), is_tried_before);
+  sort_for_occlusion(children);
   NodePlan plan = plan_node(node, children.span());
   const LinkKind kind = plan.kind();
   std::array<std::size_t, kWidth> units;

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "builder/binary_tree.h"
+#include "builder/binary_node.h"
 #include "builder/build_context.h"
 #include "builder/tree_counts.h"
 #include "layout/layout.h"
@@ -14,9 +14,9 @@ namespace stbvh {
 
 class Encoder {
  public:
-  /// Enters in the nodes of `tree` what has been chosen, and how many bytes they take: all leaves are inline,
-  /// or in `most_bytes` as many as rays profit from most.
-  Encoder(BuildContext& context, BinaryTree& tree, std::size_t most_bytes);
+  /// Enters in the nodes below `root` (null: there are none) what has been chosen, and how many bytes they
+  /// take: all leaves are inline, or in `most_bytes` as many as rays profit from most.
+  Encoder(BuildContext& context, BinaryNode* root, std::size_t most_bytes);
 
   /// Bytes that encode() writes; 0 for an empty tree. More than `most_bytes` where the tree takes more even
   /// with indexed leaves alone.

@@ -53,4 +53,10 @@ MeshletSet make_meshlets(BuildContext& context, const BuildMesh& mesh) {
   return set;
 }
 
+void make_meshlets(BuildContext& context) {
+  context.meshlets.resize(context.meshes.size());
+  tbb::parallel_for(std::size_t{0}, context.meshes.size(),
+                    [&](std::size_t i) { context.meshlets[i] = make_meshlets(context, context.meshes[i]); });
+}
+
 }  // namespace stbvh

@@ -29,5 +29,7 @@ struct MeshletSet {
 /// Groups the valid triangles of `mesh`. Triangles join along shared vertices; vertices that differ in index
 /// but not in position, at any step, count as one. The same meshlets for any number of threads.
 MeshletSet make_meshlets(BuildContext& context, const BuildMesh& mesh);
+/// Those of all meshes of a build.
+void make_meshlets(BuildContext& context);
 
 }  // namespace stbvh

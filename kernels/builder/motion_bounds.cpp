@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "builder/sample_array.h"
-#include "builder/tightest_bounds.h"
 
 namespace stbvh {
 
@@ -27,11 +26,8 @@ MotionSamples::MotionSamples(const BuildMesh& mesh, const ClosedTimeRange& range
   if (length > 0) samples.push_back({1.0f, last.fraction, last.segment});
 }
 
-namespace {
-
-/// Boxes of the given vertices at all samples.
-void sample_bounds(const BuildMesh& mesh, const MotionSamples& samples,
-                   std::span<const std::uint32_t> vertices, std::span<BoundsSample> boxes) {
+void sample_boxes(const BuildMesh& mesh, const MotionSamples& samples,
+                  std::span<const std::uint32_t> vertices, std::span<BoundsSample> boxes) {
   F32x4 pad(0.0f);
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     const MotionSamples::Sample& sample = samples.samples[i];
@@ -56,13 +52,11 @@ void sample_bounds(const BuildMesh& mesh, const MotionSamples& samples,
   }
 }
 
-}  // namespace
-
 LinearBounds motion_bounds(const BuildMesh& mesh, const MotionSamples& samples,
                            std::span<const std::uint32_t> vertices) {
   SampleArray<BoundsSample> boxes(samples.samples.size());
   const std::span<BoundsSample> used(boxes.data(), samples.samples.size());
-  sample_bounds(mesh, samples, vertices, used);
+  sample_boxes(mesh, samples, vertices, used);
   if (used.size() > 1 && samples.covers_range) return tightest_at_centre(used);
   Box4 all = Box4::empty();
   for (const BoundsSample& sample : used) all.extend(sample.box);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "builder/build_mesh.h"
+#include "builder/tightest_bounds.h"
 #include "layout/linear_bounds.h"
 
 namespace stbvh {
@@ -27,8 +28,12 @@ struct MotionSamples {
   bool empty() const { return samples.empty(); }
 };
 
-/// Linear bounds of the given vertices over the range of `samples`, padded for the rounding of the segment's
-/// fraction (docs/accuracy.md).
+/// Boxes of the given vertices at all samples, as many as `boxes` has, padded for the rounding of the
+/// segment's fraction (docs/accuracy.md).
+void sample_boxes(const BuildMesh& mesh, const MotionSamples& samples,
+                  std::span<const std::uint32_t> vertices, std::span<BoundsSample> boxes);
+
+/// Linear bounds of them over the range of `samples`.
 LinearBounds motion_bounds(const BuildMesh& mesh, const MotionSamples& samples,
                            std::span<const std::uint32_t> vertices);
 
