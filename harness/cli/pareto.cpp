@@ -165,8 +165,7 @@ Report read_all(const std::vector<std::string>& files) {
 std::vector<std::string> those_in(const Report& report, const std::vector<std::string>& asked) {
   const bool is_default = std::equal(asked.begin(), asked.end(), kStructures.begin(), kStructures.end());
   std::vector<std::string> found;
-  for (const std::string& name :
-       chosen_names("structure", is_default ? std::vector<std::string>{} : asked, structure_names())) {
+  for (const std::string& name : chosen_structures(is_default ? std::vector<std::string>{} : asked)) {
     const auto has = [&](const auto& r) { return r.structure == name; };
     if (std::any_of(report.speeds.begin(), report.speeds.end(), has) &&
         std::any_of(report.hards.begin(), report.hards.end(), has))

@@ -114,6 +114,21 @@ std::vector<std::string> chosen_names(std::string_view what, const std::vector<s
   return chosen;
 }
 
+std::vector<std::string> chosen_structures(const std::vector<std::string>& asked) {
+  // Those of the gallery go behind the others; "all" does not mean them.
+  std::vector<std::string> others, chosen;
+  std::vector<std::string_view> of_gallery;
+  for (const std::string_view name : gallery_names()) {
+    if (contains(asked, name)) of_gallery.push_back(name);
+  }
+  for (const std::string& name : asked) {
+    if (std::ranges::find(of_gallery, name) == of_gallery.end()) others.push_back(name);
+  }
+  if (!others.empty() || of_gallery.empty()) chosen = chosen_names("structure", others, structure_names());
+  chosen.insert(chosen.end(), of_gallery.begin(), of_gallery.end());
+  return chosen;
+}
+
 void check_range(const char* option, std::size_t value, std::size_t most) {
   if (value < 1 || value > most)
     throw UsageError(fmt::format("{} must be 1 to {}, not {}.", option, most, value));
@@ -131,9 +146,7 @@ CLI::Option* add_number_option(CLI::App& app, const char* name, std::size_t& val
 CLI::Option* add_structures_option(CLI::App& app, std::vector<std::string>& structures,
                                    std::span<const std::string_view> otherwise, const char* description) {
   using Names = std::vector<std::string>;
-  const auto choose = [&structures](const Names& asked) {
-    structures = chosen_names("structure", asked, structure_names());
-  };
+  const auto choose = [&structures](const Names& asked) { structures = chosen_structures(asked); };
   choose(Names(otherwise.begin(), otherwise.end()));
   return app.add_option_function<Names>("--structures", choose, description)
       ->delimiter(',')

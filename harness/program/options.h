@@ -53,6 +53,9 @@ std::size_t index_of(std::string_view what, std::string_view name, std::span<con
 std::vector<std::string> chosen_names(std::string_view what, const std::vector<std::string>& asked,
                                       std::span<const std::string_view> known);
 
+/// Structures by name: "all" are structure_names(), those of the gallery are in `asked` one by one, or none.
+std::vector<std::string> chosen_structures(const std::vector<std::string>& asked);
+
 void check_range(const char* option, std::size_t value, std::size_t most);
 
 /// A number from 1 to `most`; `value` where it is not given.

@@ -6,6 +6,7 @@
 
 #include "harness/structures/embree_device.h"
 #include "harness/structures/embree_structure.h"
+#include "harness/structures/gallery/gallery.h"
 #include "harness/structures/lbvh.h"
 #include "harness/structures/stbvh_direct.h"
 #include "harness/structures/stbvh_plugin.h"
@@ -112,6 +113,12 @@ std::string why_not_in_embree(const Mesh& mesh) {
                      mesh.name, mesh.steps.size(), mesh.has_step_times() ? " at times of their own" : "");
 }
 
+const gallery::GalleryEntry* find_in_gallery(std::string_view name) {
+  const auto entries = gallery::gallery_entries();
+  const auto found = std::ranges::find(entries, name, &gallery::GalleryEntry::name);
+  return found == entries.end() ? nullptr : &*found;
+}
+
 std::invalid_argument unknown_structure(std::string_view name) {
   return std::invalid_argument("There is no structure \"" + std::string(name) + "\".");
 }
@@ -124,10 +131,17 @@ std::vector<std::string_view> structure_names() {
   return names;
 }
 
+std::vector<std::string_view> gallery_names() {
+  std::vector<std::string_view> names;
+  for (const gallery::GalleryEntry& entry : gallery::gallery_entries()) names.push_back(entry.name);
+  return names;
+}
+
 std::string_view structure_description(std::string_view name) {
   for (const Entry& entry : kEntries) {
     if (entry.name == name) return entry.description;
   }
+  if (const auto* entry = find_in_gallery(name)) return entry->description;
   throw unknown_structure(name);
 }
 
@@ -137,6 +151,7 @@ bool is_updatable(std::string_view name) {
 }
 
 std::string obstacle(std::string_view name, const Scene& scene) {
+  if (const auto* entry = find_in_gallery(name)) return entry->obstacle ? entry->obstacle(scene) : "";
   if (!name.starts_with("stbvh")) {
     for (const Mesh& mesh : scene.meshes) {
       if (std::string why = why_not_in_embree(mesh); !why.empty()) return why;
@@ -155,10 +170,16 @@ std::string obstacle(std::string_view name, const Scene& scene) {
 }
 
 bool is_limitable(std::string_view name) {
-  return name.starts_with("stbvh");
+  return name.starts_with("stbvh") && find_in_gallery(name) == nullptr;
+}
+
+bool is_scalar(std::string_view name) {
+  const auto* entry = find_in_gallery(name);
+  return entry != nullptr ? entry->is_scalar : name.ends_with("-scalar");
 }
 
 bool is_exact(std::string_view name) {
+  if (const auto* entry = find_in_gallery(name)) return entry->is_exact;
   return name.starts_with("stbvh") && !name.ends_with("-fast") && name != "stbvh-beside";
 }
 
@@ -169,6 +190,7 @@ std::unique_ptr<StructureUnderTest> build_structure(std::string_view name, const
   for (const Entry& entry : kEntries) {
     if (entry.name == name) return entry.build(scene, threads, progress);
   }
+  if (const auto* entry = find_in_gallery(name)) return entry->build(scene, threads, progress);
   throw unknown_structure(name);
 }
 

@@ -71,12 +71,19 @@ class StructureUnderTest {
 /// Names of all structures, in the order in which tables print them.
 std::vector<std::string_view> structure_names();
 
+/// Names of the methods that came before ours, and of ours without its ideas (docs/gallery.md): structures too,
+/// but not among structure_names().
+std::vector<std::string_view> gallery_names();
+
 /// What the structure `name` is, in one line. Throws std::invalid_argument for an unknown name.
 std::string_view structure_description(std::string_view name);
 
 /// Whether that structure promises the exact answer within rounding: ours do, but for the fast precision and
 /// where Embree answers a part of the rays.
 bool is_exact(std::string_view name);
+
+/// Whether that structure is traversed without vector instructions.
+bool is_scalar(std::string_view name);
 
 /// Whether that structure keeps to Scene::max_bytes.
 bool is_limitable(std::string_view name);

@@ -1,0 +1,15 @@
+#include "harness/structures/gallery/gallery.h"
+
+#include <array>
+
+namespace stbvh::harness::gallery {
+
+std::span<const GalleryEntry> gallery_entries() {
+  static constexpr std::array kEntries{
+      GalleryEntry{"union", "one static box for all times in every node", build_union},
+      GalleryEntry{"linear", "linear bounds over the whole shutter, no temporal split", build_linear},
+  };
+  return kEntries;
+}
+
+}  // namespace stbvh::harness::gallery

@@ -1,0 +1,31 @@
+/// The methods that came before the STBVH, and ours with its ideas taken away one by one: each a structure
+/// that runs, made of the same parts (docs/gallery.md).
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "harness/structures/structure_under_test.h"
+
+namespace stbvh::harness::gallery {
+
+using StructurePtr = std::unique_ptr<StructureUnderTest>;
+
+struct GalleryEntry {
+  std::string_view name;
+  std::string_view description;  ///< one line
+  StructurePtr (*build)(const Scene& scene, unsigned threads, const BuildProgress& progress);
+  std::string (*obstacle)(const Scene& scene) = nullptr;  ///< as obstacle(); null: there is none
+  bool is_exact = true;    ///< false: it answers for other times than the rays'
+  bool is_scalar = false;  ///< to be held against `stbvh-direct-scalar`
+};
+
+/// In the order in which tables print them: by the year of the method, then ours.
+std::span<const GalleryEntry> gallery_entries();
+
+StructurePtr build_union(const Scene& scene, unsigned threads, const BuildProgress& progress);
+StructurePtr build_linear(const Scene& scene, unsigned threads, const BuildProgress& progress);
+
+}  // namespace stbvh::harness::gallery

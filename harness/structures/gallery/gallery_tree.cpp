@@ -1,0 +1,115 @@
+#include "harness/structures/gallery/gallery_tree.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "builder/encoder.h"
+#include "builder/mesh_parts.h"
+#include "harness/scenes/scene_views.h"
+#include "harness/structures/build_meter.h"
+#include "isolated.h"
+#include "mesh_table.h"
+#include "traverse/kernel_table.h"
+
+namespace stbvh::harness::gallery {
+
+GalleryKernels own_kernels() {
+  const KernelTable& kernels = kernel_table(default_isa(), Precision::kWatertight);
+  return {kernels.intersect, kernels.intersect_counted, kernels.occluded};
+}
+
+const MethodKernels& method_kernels() {
+  return default_isa() == Isa::kAvx2 ? kAvx2Methods : kScalarMethods;
+}
+
+WrittenTree write_own_nodes(BuildContext& context, BinaryNode& root) {
+  const Encoder encoder(context, &root, kNoLimit);
+  std::vector<std::uint32_t> records(context.meshes.size());
+  std::iota(records.begin(), records.end(), 0u);
+  Block block({}, encoder.bytes());
+  const Link link = encoder.encode(block.data(), 0, records);
+  return {std::move(block), link, own_kernels(), nullptr};
+}
+
+GalleryTree::GalleryTree(const Scene& scene, const Method& method, unsigned threads,
+                         const BuildProgress& progress) {
+  const BuildMeter meter(threads);
+  isolated([&] { build(scene, method, progress); });
+  record_.build_s = meter.seconds();
+  record_.resident_bytes = meter.resident_growth();
+}
+
+void GalleryTree::build(const Scene& scene, const Method& method, const BuildProgress& progress) {
+  const SceneViews views(scene);
+  const BuildCallbacks callbacks{.allocate = {}, .release = {}, .temporary_memory = {}, .progress = progress};
+  BuildContext context(method.settings, callbacks);
+  context.meshes.reserve(views.meshes().size());
+  for (std::size_t i = 0; i < views.meshes().size(); ++i) add_mesh(context, views.meshes()[i], i);
+  context.progress.start();
+  method.prepare ? method.prepare(context) : make_meshlets(context);
+  {
+    const std::unique_ptr<TopDown> builder = method.make_builder(context);
+    BinaryNode* const root = builder->build();
+    if (root != nullptr) tree_ = std::make_unique<WrittenTree>(method.write(context, *root));
+    const ReferenceSet& all = builder->all();
+    view_.time_begin = all.range.begin;
+    view_.time_last = all.range.last;
+    const Box4 whole = all.bounds.whole();
+    for (int axis = 0; axis < 3; ++axis) {
+      view_.lower[axis] = whole.lower[axis];
+      view_.upper[axis] = whole.upper[axis];
+    }
+    view_.lower[3] = view_.upper[3] = 0.0f;
+  }
+  context.progress.finish();
+
+  record_.structure_bytes = sizeof *this + MeshTable::bytes_of(context.meshes);
+  if (tree_ != nullptr) record_.structure_bytes += tree_->block.bytes() + tree_->method_bytes;
+  record_.peak_bytes = context.memory.peak() + record_.structure_bytes;
+  for (const BuildMesh& mesh : context.meshes) {
+    record_.steps_kept += mesh.steps_kept().size();
+    record_.max_deviation = std::max(record_.max_deviation, mesh.deviation());
+  }
+  for (const BuildMesh& mesh : context.meshes) {
+    const MeshView& view = mesh.view();
+    step_times_.emplace_back(view.step_times.begin(), view.step_times.end());
+    // All leaves are inline: the caller's buffers are not read.
+    records_.push_back(
+        {mesh.grid(), view.mask, view.geom_id, nullptr, nullptr, 0, step_times_.back().data(), mesh.index()});
+  }
+  view_.meshes = records_.data();
+  view_.empty = tree_ == nullptr;
+  if (tree_ == nullptr) return;
+  view_.data = tree_->block.data();
+  view_.root = tree_->root;
+  view_.method = tree_->method.get();
+}
+
+void GalleryTree::intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const {
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    Hit hit;
+    hits[i] = intersect_one(rays[i], hit) ? HitRecord{hit.t, hit.geom_id, hit.prim_id}
+                                          : HitRecord{rays[i].tfar, kInvalidId, kInvalidId};
+  }
+}
+
+void GalleryTree::occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const {
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const std::uint32_t id = occluded_one(rays[i]) ? 0u : kInvalidId;
+    hits[i] = {rays[i].tfar, id, id};
+  }
+}
+
+bool GalleryTree::intersect_one(const Ray& ray, Hit& hit) const {
+  return tree_ != nullptr && tree_->kernels.intersect(view_, ray, hit);
+}
+
+bool GalleryTree::occluded_one(const Ray& ray) const {
+  return tree_ != nullptr && tree_->kernels.occluded(view_, ray);
+}
+
+bool GalleryTree::intersect_one_counted(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
+  return tree_ != nullptr && tree_->kernels.intersect_counted(view_, ray, hit, counters);
+}
+
+}  // namespace stbvh::harness::gallery

@@ -1,0 +1,29 @@
+/// `linear`: linear bounds over the whole shutter in every node and leaf, and no temporal split: what an
+/// STBVH is without what makes it one (Woop et al. 2017, section 3.1 without 3.2). The control.
+///
+/// Stored: the kernels' linear and static nodes, with their lines, tightest at the centre over all steps.
+/// Built: object splits alone. Traversed: by the kernels.
+#include "harness/structures/gallery/gallery.h"
+#include "harness/structures/gallery/gallery_tree.h"
+
+namespace stbvh::harness::gallery {
+namespace {
+
+class LinearBoxes final : public TopDown {
+ public:
+  using TopDown::TopDown;
+
+ private:
+  std::optional<Split> choose(const ReferenceSet& set) const override {
+    if (set.size() == 1) return std::nullopt;
+    return find_object_split(set);
+  }
+};
+
+}  // namespace
+
+StructurePtr build_linear(const Scene& scene, unsigned threads, const BuildProgress& progress) {
+  return build_in_own_nodes<LinearBoxes>(scene, threads, progress);
+}
+
+}  // namespace stbvh::harness::gallery
