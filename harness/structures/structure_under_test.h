@@ -36,6 +36,9 @@ struct OverLimit : std::runtime_error {
 /// Told the fraction done, 0 to 1, from any thread, also from several at once; false cancels the build.
 using BuildProgress = std::function<bool(double fraction)>;
 
+/// Corners of a convex body that a node bounds its subtree with, in no order.
+using Outline = std::vector<Vec3f>;
+
 class StructureUnderTest {
  public:
   virtual ~StructureUnderTest() = default;
@@ -64,6 +67,12 @@ class StructureUnderTest {
     static_cast<void>(counters);
     return intersect_one(ray, hit);
   }
+  /// The bounds that rays of `time` meet `level` nodes below the root, leaves above that level included;
+  /// empty where the structure cannot show them.
+  virtual std::vector<Outline> outlines_at(float time, std::size_t level) const {
+    static_cast<void>(time), static_cast<void>(level);
+    return {};
+  }
   /// The tree itself, of our own kernels where nothing stands between; else null.
   virtual const Structure* tree() const { return nullptr; }
 };
@@ -71,8 +80,8 @@ class StructureUnderTest {
 /// Names of all structures, in the order in which tables print them.
 std::vector<std::string_view> structure_names();
 
-/// Names of the methods that came before ours, and of ours without its ideas (docs/gallery.md): structures too,
-/// but not among structure_names().
+/// Names of the methods that came before ours, and of ours without its ideas (docs/gallery.md): structures
+/// too, but not among structure_names().
 std::vector<std::string_view> gallery_names();
 
 /// What the structure `name` is, in one line. Throws std::invalid_argument for an unknown name.

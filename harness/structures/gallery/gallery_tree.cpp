@@ -8,6 +8,7 @@
 #include "harness/scenes/scene_views.h"
 #include "harness/structures/build_meter.h"
 #include "isolated.h"
+#include "layout/node_slots.h"
 #include "mesh_table.h"
 #include "traverse/kernel_table.h"
 
@@ -22,13 +23,42 @@ const MethodKernels& method_kernels() {
   return default_isa() == Isa::kAvx2 ? kAvx2Methods : kScalarMethods;
 }
 
+Outline corners_of(const Box3f& box) {
+  Outline corners;
+  for (const float x : {box.lower.x, box.upper.x}) {
+    for (const float y : {box.lower.y, box.upper.y}) {
+      for (const float z : {box.lower.z, box.upper.z}) corners.push_back({x, y, z});
+    }
+  }
+  return corners;
+}
+
+namespace {
+
+std::vector<OutlinedChild> own_children_at(const GalleryView& view, Link link, float time) {
+  const ClosedTimeRange all{view.time_begin, view.time_last};
+  const NodeSlots node = read_node(kind_of(link), view.data + unit_of(link) * kUnitBytes, all);
+  std::vector<OutlinedChild> children;
+  for (const NodeSlot& slot : node.used()) {
+    if (!(time >= slot.range.begin && time <= slot.range.last)) continue;
+    const auto face = [&](Plane plane) {
+      return slot.planes[plane] + (time - slot.range.begin) * slot.slopes[plane];
+    };
+    children.push_back({slot.link, corners_of({{face(kLowerX), face(kLowerY), face(kLowerZ)},
+                                               {face(kUpperX), face(kUpperY), face(kUpperZ)}})});
+  }
+  return children;
+}
+
+}  // namespace
+
 WrittenTree write_own_nodes(BuildContext& context, BinaryNode& root) {
   const Encoder encoder(context, &root, kNoLimit);
   std::vector<std::uint32_t> records(context.meshes.size());
   std::iota(records.begin(), records.end(), 0u);
   Block block({}, encoder.bytes());
   const Link link = encoder.encode(block.data(), 0, records);
-  return {std::move(block), link, own_kernels(), nullptr};
+  return {std::move(block), link, own_kernels(), own_children_at, nullptr};
 }
 
 GalleryTree::GalleryTree(const Scene& scene, const Method& method, unsigned threads,
@@ -106,6 +136,24 @@ bool GalleryTree::intersect_one(const Ray& ray, Hit& hit) const {
 
 bool GalleryTree::occluded_one(const Ray& ray) const {
   return tree_ != nullptr && tree_->kernels.occluded(view_, ray);
+}
+
+std::vector<Outline> GalleryTree::outlines_at(float time, std::size_t level) const {
+  if (tree_ == nullptr || kind_of(view_.root) == LinkKind::kLeaf) return {};
+  std::vector<Outline> outlines;
+  std::vector<Link> nodes{view_.root};
+  for (std::size_t at = 1; !nodes.empty(); ++at) {
+    std::vector<Link> below;
+    for (const Link node : nodes) {
+      for (OutlinedChild& child : tree_->children_at(view_, node, time)) {
+        const bool goes_on = at < level && kind_of(child.link) != LinkKind::kLeaf;
+        if (goes_on) below.push_back(child.link);
+        if (!goes_on) outlines.push_back(std::move(child.corners));
+      }
+    }
+    nodes = std::move(below);
+  }
+  return outlines;
 }
 
 bool GalleryTree::intersect_one_counted(const Ray& ray, Hit& hit, TraversalCounters& counters) const {

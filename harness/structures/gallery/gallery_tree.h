@@ -13,11 +13,24 @@
 
 namespace stbvh::harness::gallery {
 
+/// A child of a node, as rays of one time meet it.
+struct OutlinedChild {
+  Link link;
+  Outline corners;
+};
+
+/// The children of a node that are alive at `time`.
+using ChildrenAt = std::vector<OutlinedChild> (*)(const GalleryView& view, Link node, float time);
+
+/// The eight corners of a box.
+Outline corners_of(const Box3f& box);
+
 /// Nodes and leaves that a method has written.
 struct WrittenTree {
   Block block;
   Link root;
   GalleryKernels kernels;
+  ChildrenAt children_at;
   std::shared_ptr<const void> method;  ///< GalleryView::method
   std::size_t method_bytes = 0;        ///< that it takes
 };
@@ -58,6 +71,7 @@ class GalleryTree final : public StructureUnderTest {
   bool occluded_one(const Ray& ray) const override;
   bool has_counters() const override { return true; }
   bool intersect_one_counted(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
+  std::vector<Outline> outlines_at(float time, std::size_t level) const override;
 
  private:
   void build(const Scene& scene, const Method& method, const BuildProgress& progress);

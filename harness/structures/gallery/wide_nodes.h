@@ -114,12 +114,12 @@ class WideNodes {
 /// The whole of it: what GalleryTree::Method::write returns.
 template <typename Method>
 WrittenTree write_wide_nodes(const BuildContext& context, const Method& method, const BinaryNode& root,
-                             const GalleryKernels& kernels, std::shared_ptr<const void> shared,
-                             std::size_t shared_bytes) {
+                             const GalleryKernels& kernels, ChildrenAt children_at,
+                             std::shared_ptr<const void> shared, std::size_t shared_bytes) {
   const WideNodes<Method> nodes(context, method, root);
   Block block({}, nodes.bytes());
   const Link link = nodes.write(block.data());
-  return {std::move(block), link, kernels, std::move(shared), shared_bytes};
+  return {std::move(block), link, kernels, children_at, std::move(shared), shared_bytes};
 }
 
 }  // namespace stbvh::harness::gallery
