@@ -36,8 +36,11 @@ Outline corners_of(const Box3f& box) {
 namespace {
 
 std::vector<OutlinedChild> own_children_at(const GalleryView& view, Link link, float time) {
-  const ClosedTimeRange all{view.time_begin, view.time_last};
-  const NodeSlots node = read_node(kind_of(link), view.data + unit_of(link) * kUnitBytes, all);
+  const std::byte* const data = view.data + unit_of(link) * kUnitBytes;
+  ClosedTimeRange range{view.time_begin, view.time_last};
+  if (kind_of(link) == LinkKind::kLinearNode)
+    range.begin = reinterpret_cast<const LinearNode*>(data)->time_begin;
+  const NodeSlots node = read_node(kind_of(link), data, range);
   std::vector<OutlinedChild> children;
   for (const NodeSlot& slot : node.used()) {
     if (!(time >= slot.range.begin && time <= slot.range.last)) continue;
