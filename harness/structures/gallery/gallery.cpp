@@ -8,6 +8,23 @@ std::span<const GalleryEntry> gallery_entries() {
   static constexpr std::array kEntries{
       GalleryEntry{"union", "one static box for all times in every node", build_union},
       GalleryEntry{"linear", "linear bounds over the whole shutter, no temporal split", build_linear},
+      GalleryEntry{"stbvh-paper", "the STBVH to the letter of its paper: segments counted, greedy choice",
+                   build_stbvh_paper},
+      GalleryEntry{"stbvh-gated", "the same with Embree's gates before temporal splits", build_stbvh_gated},
+      GalleryEntry{"no-leaf-cost", "ours, but a leaf costs as many segments as it holds",
+                   build_no_leaf_cost},
+      GalleryEntry{"no-temporal-first", "ours, but time is split where that is cheapest at the moment",
+                   build_no_temporal_first},
+      GalleryEntry{"no-tight-lines",
+                   "ours, but lines go through the boxes at both ends, moved outwards", build_no_tight_lines},
+      GalleryEntry{"no-static-side", "ours, but what stands still is split with what moves",
+                   build_no_static_side},
+      GalleryEntry{"no-optimal-collapse", "ours, but the largest child is opened until there are eight",
+                   build_no_optimal_collapse},
+      GalleryEntry{"no-meshlets", "ours, but of single triangles, leaves where the splits arrive",
+                   build_no_meshlets},
+      GalleryEntry{"no-step-reduction", "ours, but with all steps that are given",
+                   build_no_step_reduction},
   };
   return kEntries;
 }

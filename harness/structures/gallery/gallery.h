@@ -27,5 +27,14 @@ std::span<const GalleryEntry> gallery_entries();
 
 StructurePtr build_union(const Scene& scene, unsigned threads, const BuildProgress& progress);
 StructurePtr build_linear(const Scene& scene, unsigned threads, const BuildProgress& progress);
+StructurePtr build_stbvh_paper(const Scene& scene, unsigned threads, const BuildProgress& progress);
+StructurePtr build_stbvh_gated(const Scene& scene, unsigned threads, const BuildProgress& progress);
+StructurePtr build_no_leaf_cost(const Scene& scene, unsigned threads, const BuildProgress& progress);
+StructurePtr build_no_temporal_first(const Scene& scene, unsigned threads, const BuildProgress& progress);
+StructurePtr build_no_tight_lines(const Scene& scene, unsigned threads, const BuildProgress& progress);
+StructurePtr build_no_static_side(const Scene& scene, unsigned threads, const BuildProgress& progress);
+StructurePtr build_no_optimal_collapse(const Scene& scene, unsigned threads, const BuildProgress& progress);
+StructurePtr build_no_meshlets(const Scene& scene, unsigned threads, const BuildProgress& progress);
+StructurePtr build_no_step_reduction(const Scene& scene, unsigned threads, const BuildProgress& progress);
 
 }  // namespace stbvh::harness::gallery
