@@ -7,6 +7,8 @@ namespace stbvh::harness::gallery {
 std::span<const GalleryEntry> gallery_entries() {
   static constexpr std::array kEntries{
       GalleryEntry{"union", "one static box for all times in every node", build_union},
+      GalleryEntry{"box-sequence", "a box at each step in every node, the segment looked up at each",
+                   build_box_sequence},
       GalleryEntry{"linear", "linear bounds over the whole shutter, no temporal split", build_linear},
   };
   return kEntries;
