@@ -9,6 +9,8 @@ std::span<const GalleryEntry> gallery_entries() {
       GalleryEntry{"union", "one static box for all times in every node", build_union},
       GalleryEntry{"box-sequence", "a box at each step in every node, the segment looked up at each",
                    build_box_sequence},
+      GalleryEntry{"box-sequence-tsah", "the same, built by the mean of the areas over time (T-SAH)",
+                   build_box_sequence_tsah},
       GalleryEntry{"linear", "linear bounds over the whole shutter, no temporal split", build_linear},
   };
   return kEntries;
