@@ -111,11 +111,6 @@ std::vector<Box4> boxes_on(const BoxSequence& sequence, const SequenceGrid& grid
   return boxes;
 }
 
-/// Axes in which the lower face is above the upper one.
-unsigned inverted_axes(const Box4& box) {
-  return static_cast<unsigned>(_mm_movemask_ps(_mm_cmpgt_ps(box.lower.v, box.upper.v))) & 7u;
-}
-
 /// Whether the boxes hold nothing at `step` and in the segments on both sides of it.
 bool holds_nothing_around(std::span<const Box4> boxes, std::size_t step) {
   unsigned axes = inverted_axes(boxes[step]);

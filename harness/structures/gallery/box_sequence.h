@@ -44,6 +44,11 @@ class MeshletSequences {
 /// nothing.
 void clip(std::span<Box4> boxes, const Box4& limits);
 
+/// Axes in which the lower face is above the upper one.
+inline unsigned inverted_axes(const Box4& box) {
+  return static_cast<unsigned>(_mm_movemask_ps(_mm_cmpgt_ps(box.lower.v, box.upper.v))) & 7u;
+}
+
 using SequenceOfLeaf = std::function<BoxSequence(const BinaryLeaf&)>;
 
 /// Writes the tree below `root` in nodes of box sequences.

@@ -11,6 +11,7 @@ std::span<const GalleryEntry> gallery_entries() {
                    build_box_sequence},
       GalleryEntry{"box-sequence-tsah", "the same, built by the mean of the areas over time (T-SAH)",
                    build_box_sequence_tsah},
+      GalleryEntry{"msbvh", "Gruenschloss's spatial splits on our builder, with box sequences", build_msbvh},
       GalleryEntry{"linear", "linear bounds over the whole shutter, no temporal split", build_linear},
   };
   return kEntries;

@@ -124,7 +124,7 @@ float mean_overlap(const BoxesAtTimes& a, const BoxesAtTimes& b) {
     Box4& box = common.span()[i];
     const Box4& other = b.span()[i];
     box = {max(box.lower, other.lower), min(box.upper, other.upper)};
-    if ((_mm_movemask_ps(_mm_cmpgt_ps(box.lower.v, box.upper.v)) & 7) != 0) box = {box.lower, box.lower};
+    if (inverted_axes(box) != 0) box = Box4::empty();
   }
   return common.mean_area();
 }
@@ -136,7 +136,7 @@ CompareTimes::CompareTimes(const ReferenceSet& set, std::span<const Piece> piece
   count_ = std::min(segments + 1, kMostTimes);
 }
 
-BoxesAtTimes CompareTimes::boxes_of(const BoxSequence& sequence) const {
+BoxesAtTimes CompareTimes::interpolated(const BoxSequence& sequence) const {
   BoxesAtTimes boxes(count_);
   const std::span<Box4> out = boxes.span();
   const SequenceGrid& grid = sequence.grid;
@@ -162,6 +162,14 @@ BoxesAtTimes CompareTimes::boxes_of(const BoxSequence& sequence) const {
   return boxes;
 }
 
+BoxesAtTimes CompareTimes::boxes_of(const BoxSequence& sequence) const {
+  BoxesAtTimes boxes = interpolated(sequence);
+  for (Box4& box : boxes.span()) {
+    if (inverted_axes(box) != 0) box = Box4::empty();
+  }
+  return boxes;
+}
+
 MeanAreaBuilder::~MeanAreaBuilder() {
   context().memory.give_back(counted_bytes_.load());
 }
@@ -175,15 +183,15 @@ ReferenceSet MeanAreaBuilder::make_references(std::span<Reference> storage) {
   ReferenceSet set = TopDown::make_references(storage);
   const MeshletSequences sequences(context());
   count(storage.size() * sizeof(Piece));
-  pieces_->resize(storage.size());
+  pieces_.resize(storage.size());
   used_pieces_ = static_cast<std::uint32_t>(set.size());
   std::atomic<std::size_t> bytes{0};
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, set.size(), 1024), [&](const auto& part) {
     for (std::size_t i = part.begin(); i != part.end(); ++i) {
       Reference& reference = set.references[i];
       const Meshlet& whole = meshlet(reference);
-      (*pieces_)[i] = {whole, reference.mesh, sequences.of(reference.mesh, whole)};
-      bytes += (*pieces_)[i].sequence.bytes();
+      pieces_[i] = {whole, reference.mesh, sequences.of(reference.mesh, whole)};
+      bytes += pieces_[i].sequence.bytes();
       reference.meshlet = static_cast<std::uint32_t>(i);
     }
   });
@@ -194,7 +202,7 @@ ReferenceSet MeanAreaBuilder::make_references(std::span<Reference> storage) {
 std::uint32_t MeanAreaBuilder::add_piece(const Piece& piece) const {
   count(piece.sequence.bytes());
   const std::uint32_t number = used_pieces_++;
-  (*pieces_)[number] = piece;
+  pieces_[number] = piece;
   return number;
 }
 
@@ -216,7 +224,7 @@ std::pair<ReferenceSet, ReferenceSet> MeanAreaBuilder::split_in_space(ReferenceS
 }
 
 MeanAreaSplit MeanAreaBuilder::find_split(const ReferenceSet& set) const {
-  const CompareTimes times(set, *pieces_);
+  const CompareTimes times(set, pieces_);
   const auto boxes_of = [&](const Reference& reference) { return times.boxes_of(piece(reference).sequence); };
   MeanAreaSplit best;
   if (set.size() <= kSweepLimit) {

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
@@ -21,6 +22,8 @@ namespace stbvh::harness::gallery {
 struct Piece : Meshlet {
   std::uint32_t mesh = 0;
   BoxSequence sequence;
+  Box4 limits{F32x4(-std::numeric_limits<float>::infinity()),
+              F32x4(std::numeric_limits<float>::infinity())};  ///< of the planes
 };
 
 /// Areas are compared at as many times at most.
@@ -55,9 +58,12 @@ class CompareTimes {
   CompareTimes(const ReferenceSet& set, std::span<const Piece> pieces);
 
   std::size_t count() const { return count_; }
+  /// Empty at times at which the sequence holds nothing.
   BoxesAtTimes boxes_of(const BoxSequence& sequence) const;
 
  private:
+  BoxesAtTimes interpolated(const BoxSequence& sequence) const;
+
   ClosedTimeRange range_;
   std::size_t count_;
 };
@@ -91,16 +97,16 @@ class MeanAreaBuilder : public TopDown {
   /// Puts the references of the left side first, and returns how many they are.
   static std::size_t partition(ReferenceSet& set, const ObjectSplit& split);
 
-  const Piece& piece(const Reference& reference) const { return (*pieces_)[reference.meshlet]; }
-  Piece& changed_piece(const Reference& reference) const { return (*pieces_)[reference.meshlet]; }
-  std::span<const Piece> pieces() const { return *pieces_; }
+  const Piece& piece(const Reference& reference) const { return pieces_[reference.meshlet]; }
+  Piece& changed_piece(const Reference& reference) const { return pieces_[reference.meshlet]; }
+  std::span<const Piece> pieces() const { return pieces_; }
   /// A further piece. May be called by several threads at once.
   std::uint32_t add_piece(const Piece& piece) const;
 
  private:
   void count(std::size_t bytes) const;
 
-  std::unique_ptr<std::vector<Piece>> pieces_ = std::make_unique<std::vector<Piece>>();
+  mutable std::vector<Piece> pieces_;
   mutable std::atomic<std::uint32_t> used_pieces_{0};
   mutable std::atomic<std::size_t> counted_bytes_{0};
 };
