@@ -7,6 +7,11 @@ namespace stbvh::harness::gallery {
 std::span<const GalleryEntry> gallery_entries() {
   static constexpr std::array kEntries{
       GalleryEntry{"union", "one static box for all times in every node", build_union},
+      GalleryEntry{"box-sequence", "a box at each step in every node, the segment looked up at each",
+                   build_box_sequence},
+      GalleryEntry{"box-sequence-tsah", "the same, built by the mean of the areas over time (T-SAH)",
+                   build_box_sequence_tsah},
+      GalleryEntry{"msbvh", "Gruenschloss's spatial splits on our builder, with box sequences", build_msbvh},
       GalleryEntry{"linear", "linear bounds over the whole shutter, no temporal split", build_linear},
       GalleryEntry{"stbvh-paper", "the STBVH to the letter of its paper: segments counted, greedy choice",
                    build_stbvh_paper},

@@ -20,7 +20,9 @@ struct GalleryKernels {
 };
 
 /// Of all methods with nodes of their own: one member for each.
-struct MethodKernels {};
+struct MethodKernels {
+  GalleryKernels box_sequence;
+};
 extern const MethodKernels kScalarMethods;
 extern const MethodKernels kAvx2Methods;
 /// Those of the instruction set that the kernels choose.
