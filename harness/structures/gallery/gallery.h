@@ -26,6 +26,8 @@ struct GalleryEntry {
 std::span<const GalleryEntry> gallery_entries();
 
 StructurePtr build_union(const Scene& scene, unsigned threads, const BuildProgress& progress);
+StructurePtr build_slabs_12(const Scene& scene, unsigned threads, const BuildProgress& progress);
+StructurePtr build_obb_linear(const Scene& scene, unsigned threads, const BuildProgress& progress);
 StructurePtr build_linear(const Scene& scene, unsigned threads, const BuildProgress& progress);
 
 }  // namespace stbvh::harness::gallery

@@ -20,7 +20,10 @@ struct GalleryKernels {
 };
 
 /// Of all methods with nodes of their own: one member for each.
-struct MethodKernels {};
+struct MethodKernels {
+  GalleryKernels slabs_12;
+  GalleryKernels obb_linear;
+};
 extern const MethodKernels kScalarMethods;
 extern const MethodKernels kAvx2Methods;
 /// Those of the instruction set that the kernels choose.
