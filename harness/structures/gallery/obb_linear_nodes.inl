@@ -28,16 +28,17 @@ namespace {
 
 /// A ray is turned into the frame of each child at each node; the padding is the ray's.
 ///
-/// With D the distance of CentredRay and u = 2^-24: the sum of the magnitudes of a row of M is below sqrt(3)
-/// (1 + 4u), so, axis by axis in a frame,
+/// With D the distance of CentredRay and u = 2^-24: the magnitudes of a row of M sum up to sqrt(3), but for
+/// its rounding, so that axis by axis in a frame
 /// - the point that the triangle test accepts lies within 8u D of the ray's along the world's axes
-///   (docs/accuracy.md), thus within sqrt(3) * 8u D = 14u D here;
-/// - M (o - centre) is off by sqrt(3) D times u for the difference and 3u for products and sums, with or
-///   without fma: 7u D;
-/// - M d is off by as many u, and multiplied by |s| <= D: 7u D. This is also why its sign may be wrong;
-/// - difference with the plane, inverse and product: 3u of s M d <= sqrt(3) D, thus 5.2u D;
-/// - the sum of origin and padding: 2u D.
-/// Together less than 36u D; the padding is 64u D. Its second term holds where denormal numbers are rounded,
+///   (docs/accuracy.md), thus within sqrt(3) * 8u D = 13.9u D;
+/// - M (o - centre) is off by u D for the difference and 3u D for products and sums, with or without fma,
+/// each
+///   times sqrt(3): 7u D;
+/// - M d is off by as many u, and is multiplied by |s| <= D: 7u D. So its sign may be wrong, too;
+/// - difference with the plane, inverse and product: 3u of |s M d| <= sqrt(3) D, thus 5.2u D;
+/// - the sum of origin and padding: 1.8u D.
+/// Together less than 35u D; the padding is 40u D. Its second term holds where denormal numbers are rounded,
 /// or flushed to zero.
 class ObbSlabs {
  public:
@@ -72,7 +73,7 @@ class ObbSlabs {
       origin_[i] = splat(ray.origin[i]);
       direction_[i] = splat(ray.direction[i]);
     }
-    padding_ = splat(0x1p-18f * ray.distance + 64.0f * std::numeric_limits<float>::min());
+    padding_ = splat(0x1.4p-19f * ray.distance + 64.0f * std::numeric_limits<float>::min());
   }
 
   static F32x8 turned(const float (&row)[3][kWidth], const F32x8 (&v)[3]) {

@@ -42,19 +42,21 @@ struct Slabs12Scene {
 
 namespace {
 
-/// All that a node's test needs of a ray is known before: the ray's place and speed along each slab's normal.
+/// All that a node's test needs of a ray is known before: its place and its speed along the normal of each
+/// slab.
 ///
 /// With D the distance of CentredRay, u = 2^-24, T = scale * t, and L the sum of the magnitudes of n's
-/// coefficients, 1 or 3,
+/// factors, 1 or 3,
 /// - the point that the triangle test accepts lies within 8u D of the ray's along the axes
 ///   (docs/accuracy.md): 8u L D along n;
-/// - n . (o - centre) + T: u L D for the differences, 2u L D for the two sums of the diagonals, 2u |T| for
-///   the product and u (L D + |T|) for the last sum;
-/// - n . d is off by 3u L, and multiplied by |s| <= D: 3u L D. This is also why its sign may be wrong;
-/// - difference with the plane, inverse and product: 3u L D;
+/// - n . (o - centre) + T is off by u L D for the difference, 2u L D for the sums of a diagonal, u |T| for
+/// the
+///   product, and u (L D + |T|) for the last sum;
+/// - n . d is off by 3u L, and is multiplied by |s| <= D: 3u L D. So its sign may be wrong, too;
+/// - difference with the plane, inverse and product: 3u of |s n . d| <= L D;
 /// - the sum with the padding: u (L D + |T|).
-/// Together less than 20u L D + 5u |T|; the padding is 32u L D + 8u |T|. Its last term holds where denormal
-/// numbers are rounded, or flushed to zero.
+/// Together 19u L D + 3u |T|, first order; the padding is 24u L D + 4u |T|. Its last term holds where
+/// denormal numbers are rounded, or flushed to zero.
 class Slabs12 {
  public:
   Slabs12(const GalleryView& view, const TraversalRay& traversed) {
@@ -68,7 +70,7 @@ class Slabs12 {
       inverse_[i] = std::copysign(1.0f / std::max(std::fabs(speed), kLeastDirection), speed);
       near_[i] = std::signbit(speed) ? 1 : 0;
       const float size = i < kSlabAxes ? 1.0f : 3.0f;
-      padding[i] = std::copysign(size * 0x1p-19f * ray.distance + 0x1p-21f * std::fabs(time) +
+      padding[i] = std::copysign(size * 0x1.8p-20f * ray.distance + 0x1p-22f * std::fabs(time) +
                                      64.0f * std::numeric_limits<float>::min(),
                                  speed);
     }
