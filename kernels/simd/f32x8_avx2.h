@@ -57,6 +57,10 @@ inline F32x8 operator/(F32x8 a, F32x8 b) {
 inline F32x8 flip_sign(F32x8 a, F32x8 b) {
   return {_mm256_xor_ps(a.v, _mm256_and_ps(b.v, _mm256_set1_ps(-0.0f)))};
 }
+/// b where `sign` is negative (or -0), else a.
+inline F32x8 select_by_sign(F32x8 sign, F32x8 a, F32x8 b) {
+  return {_mm256_blendv_ps(a.v, b.v, sign.v)};
+}
 inline Mask8 less_equal(F32x8 a, F32x8 b) {
   return {static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(a.v, b.v, _CMP_LE_OQ)))};
 }

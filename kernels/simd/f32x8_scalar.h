@@ -66,6 +66,9 @@ inline F32x8 operator/(const F32x8& a, const F32x8& b) {
 inline F32x8 flip_sign(const F32x8& a, const F32x8& b) {
   return each_lane([&](int i) { return std::signbit(b.v[i]) ? -a.v[i] : a.v[i]; });
 }
+inline F32x8 select_by_sign(const F32x8& sign, const F32x8& a, const F32x8& b) {
+  return each_lane([&](int i) { return std::signbit(sign.v[i]) ? b.v[i] : a.v[i]; });
+}
 inline Mask8 less_equal(const F32x8& a, const F32x8& b) {
   return each_flag([&](int i) { return a.v[i] <= b.v[i]; });
 }

@@ -29,6 +29,8 @@ StructurePtr build_union(const Scene& scene, unsigned threads, const BuildProgre
 StructurePtr build_box_sequence(const Scene& scene, unsigned threads, const BuildProgress& progress);
 StructurePtr build_box_sequence_tsah(const Scene& scene, unsigned threads, const BuildProgress& progress);
 StructurePtr build_msbvh(const Scene& scene, unsigned threads, const BuildProgress& progress);
+StructurePtr build_slabs_12(const Scene& scene, unsigned threads, const BuildProgress& progress);
+StructurePtr build_obb_linear(const Scene& scene, unsigned threads, const BuildProgress& progress);
 StructurePtr build_linear(const Scene& scene, unsigned threads, const BuildProgress& progress);
 StructurePtr build_stbvh_paper(const Scene& scene, unsigned threads, const BuildProgress& progress);
 StructurePtr build_stbvh_gated(const Scene& scene, unsigned threads, const BuildProgress& progress);

@@ -22,6 +22,8 @@ struct GalleryKernels {
 /// Of all methods with nodes of their own: one member for each.
 struct MethodKernels {
   GalleryKernels box_sequence;
+  GalleryKernels slabs_12;
+  GalleryKernels obb_linear;
 };
 extern const MethodKernels kScalarMethods;
 extern const MethodKernels kAvx2Methods;

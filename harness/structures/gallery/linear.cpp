@@ -5,23 +5,9 @@
 /// Built: object splits alone. Traversed: by the kernels.
 #include "harness/structures/gallery/gallery.h"
 #include "harness/structures/gallery/gallery_tree.h"
+#include "harness/structures/gallery/linear_boxes.h"
 
 namespace stbvh::harness::gallery {
-namespace {
-
-class LinearBoxes final : public TopDown {
- public:
-  using TopDown::TopDown;
-
- private:
-  std::optional<Split> choose(const ReferenceSet& set) const override {
-    if (set.size() == 1) return std::nullopt;
-    return find_object_split(set);
-  }
-};
-
-}  // namespace
-
 StructurePtr build_linear(const Scene& scene, unsigned threads, const BuildProgress& progress) {
   return build_in_own_nodes<LinearBoxes>(scene, threads, progress);
 }

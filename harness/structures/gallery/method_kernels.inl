@@ -2,6 +2,8 @@
 #pragma once
 
 #include "harness/structures/gallery/box_sequence_slabs.inl"
+#include "harness/structures/gallery/obb_linear_nodes.inl"
+#include "harness/structures/gallery/slabs_12_nodes.inl"
 #include "harness/structures/gallery/traverse.inl"
 
 namespace stbvh::harness::gallery {
@@ -9,6 +11,7 @@ namespace {
 
 constexpr MethodKernels make_method_kernels() {
   return {.box_sequence = make_kernels<BoxSequenceSlabs>()};
+  return {.slabs_12 = make_kernels<Slabs12>(), .obb_linear = make_kernels<ObbSlabs>()};
 }
 
 }  // namespace
