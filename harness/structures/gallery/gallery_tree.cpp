@@ -7,6 +7,7 @@
 #include "builder/mesh_parts.h"
 #include "harness/scenes/scene_views.h"
 #include "harness/structures/build_meter.h"
+#include "harness/structures/gallery/one_by_one.h"
 #include "isolated.h"
 #include "layout/node_slots.h"
 #include "mesh_table.h"
@@ -119,18 +120,11 @@ void GalleryTree::build(const Scene& scene, const Method& method, const BuildPro
 }
 
 void GalleryTree::intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const {
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    Hit hit;
-    hits[i] = intersect_one(rays[i], hit) ? HitRecord{hit.t, hit.geom_id, hit.prim_id}
-                                          : HitRecord{rays[i].tfar, kInvalidId, kInvalidId};
-  }
+  intersect_one_by_one(*this, rays, hits);
 }
 
 void GalleryTree::occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const {
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const std::uint32_t id = occluded_one(rays[i]) ? 0u : kInvalidId;
-    hits[i] = {rays[i].tfar, id, id};
-  }
+  occluded_one_by_one(*this, rays, hits);
 }
 
 bool GalleryTree::intersect_one(const Ray& ray, Hit& hit) const {
