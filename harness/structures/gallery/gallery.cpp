@@ -6,6 +6,7 @@ namespace stbvh::harness::gallery {
 
 std::span<const GalleryEntry> gallery_entries() {
   static constexpr std::array kEntries{
+      GalleryEntry{"kd4", "a kd-tree over space and time, scalar", build_kd4, nullptr, true, true},
       GalleryEntry{"separate-2", "2 trees without motion, at the centres of 2 windows of the shutter",
                    build_separate<2>, nullptr, false},
       GalleryEntry{"separate-4", "the same with 4", build_separate<4>, nullptr, false},
