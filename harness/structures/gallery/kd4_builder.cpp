@@ -16,17 +16,20 @@
 namespace stbvh::harness::gallery {
 namespace {
 
-constexpr float kInf = std::numeric_limits<float>::infinity();
-
-/// Costs of a step of the traversal, and of testing a meshlet.
+/// Costs of a step of the traversal, and of testing a meshlet, which takes some twenty times as long. Trees
+/// are all but the same with 8 and with 50: the limit of references ends most splitting.
 constexpr double kStepCost = 1.0;
-constexpr double kTestCost = 6.0;
+constexpr double kTestCost = 20.0;
 /// A split that leaves one side empty costs this share of what it would.
 constexpr double kEmptyShare = 0.8;
 /// Splits in a row that do not pay by themselves, in the hope of one below that does.
 constexpr std::size_t kMostBadSplits = 3;
-/// The references of all cells together, for each meshlet.
-constexpr double kMostReferences = 24.0;
+/// References of all cells together: so many, but at least and at most so many for each meshlet.
+constexpr double kMostReferences = 1e7;
+constexpr double kLeastForMeshlet = 16.0;
+constexpr double kMostForMeshlet = 200.0;
+/// Nodes above a cell: so many more than halving takes.
+constexpr double kMoreLevels = 20.0;
 
 constexpr std::size_t kBins = 32;
 constexpr std::size_t kSweptReferences = 48;       ///< up to so many all planes are tried
@@ -226,8 +229,8 @@ std::unique_ptr<KdBuilder::Task> KdBuilder::whole_task() {
   }
   task->cell = all_;
   const auto size = static_cast<double>(task->size());
-  task->most_references = kMostReferences * size;
-  const double levels = 8.0 + 1.3 * std::log2(size) + std::log2(static_cast<double>(most_segments));
+  task->most_references = std::clamp(kMostReferences, kLeastForMeshlet * size, kMostForMeshlet * size);
+  const double levels = kMoreLevels + 1.3 * std::log2(size) + std::log2(static_cast<double>(most_segments));
   task->levels = std::min(static_cast<std::size_t>(levels), kMostKdLevels);
   return task;
 }
@@ -267,10 +270,11 @@ void KdBuilder::try_space(const Task& task, std::size_t axis, Split& best) const
   if (!(lower < upper) || !(whole > 0.0)) return;
   const F32x4 size4 = cell.upper - cell.lower;
   const double u = size4[(lane + 1) % 3], v = size4[(lane + 2) % 3];
+  const double per_area = 1.0 / whole;
   const auto consider = [&](float plane, std::size_t count_below, std::size_t count_above) {
     if (!(plane > lower && plane < upper)) return;
-    const double share_below = (u * v + (u + v) * (static_cast<double>(plane) - lower)) / whole;
-    const double share_above = (u * v + (u + v) * (static_cast<double>(upper) - plane)) / whole;
+    const double share_below = (u * v + (u + v) * (static_cast<double>(plane) - lower)) * per_area;
+    const double share_above = (u * v + (u + v) * (static_cast<double>(upper) - plane)) * per_area;
     const double cost = split_cost(share_below, static_cast<double>(count_below), share_above,
                                    static_cast<double>(count_above));
     if (cost < best.cost) best = {cost, static_cast<KdAxis>(axis), plane};
@@ -296,11 +300,12 @@ void KdBuilder::try_space(const Task& task, std::size_t axis, Split& best) const
     return;
   }
   const float width = (upper - lower) / static_cast<float>(kBins);
+  const float per_width = 1.0f / width;
+  if (!(per_width <= std::numeric_limits<float>::max())) return;
   const auto bin_of = [&](float x) {
-    const float bin = (x - lower) / width;
+    const float bin = (x - lower) * per_width;
     return std::min(bin > 0.0f ? static_cast<std::size_t>(bin) : 0, kBins - 1);
   };
-  if (!(width > 0.0f)) return;
   std::array<std::size_t, kBins> begin{}, end{};
   for (const Reference& reference : references) {
     ++begin[bin_of(reference.lower[axis])];
