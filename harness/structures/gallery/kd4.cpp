@@ -1,20 +1,19 @@
-/// `kd4`: a kd-tree over space and time, after Olsson's "Ray Tracing Animations Using 4D Kd-Trees" (2007).
-/// The text was not to be had: what is here follows its abstract and Mitsuba 0.6 (shapes/deformable.cpp and
-/// sahkdtree4.h), whose code was read; the name says no more than what it is.
+/// `kd4`: a kd-tree over space and time, after Olsson (2007). The text was not to be had: what is here is
+/// inferred from Mitsuba 0.6, which has such a tree for shapes that deform and whose code was read
+/// (deformable.cpp, sahkdtree4.h).
 ///
 /// Stored: nodes of 8 bytes that split space at a plane or the shutter at a time; in each cell links to the
-/// meshlets in it. All cells share one leaf of a meshlet, which holds all its steps: to hold those of a
-/// cell's time alone would take a copy of the vertices for each cell. What lies in several cells is linked in
-/// each. Built: kd4_builder.h, with the surface area heuristic as it is modified for time: the chance of a
-/// part of space is its share of the surface, that of a part of time its share of the duration, and the
-/// cheapest split of both kinds is taken. Traversed: scalar, kd4_traverse.cpp.
+/// meshlets in it. All cells share one leaf of a meshlet, which holds all its steps: a leaf of the steps that
+/// a cell needs would be a copy of vertices for each of them.
+/// Built: kd4_builder.cpp, with the surface area heuristic as it is modified for time: the chance of a part
+/// of space is its share of the surface, that of a part of time its share of the duration, and the cheapest
+/// split of both kinds is taken. Traversed: scalar, kd4_traverse.cpp.
 ///
 /// Departs: Mitsuba switches clipping in time off, so that boxes never shrink behind a split in time; here
 /// each split in time makes the boxes of both halves anew. References are boxes of meshlets, not of
-/// triangles, the costs are those of this test of triangles (in Mitsuba 15 and 20, and cells of up to 6
-/// triangles), and planes are chosen among 32 in each axis, or among all faces of small sets. The
-/// references that splits make are limited, so that the memory is.
-#include "builder/encoder.h"
+/// triangles, with the costs of their test (Mitsuba: 15 and 20, and cells of up to 6 triangles). Planes are
+/// chosen among 32 in each axis, or among all faces of small sets, times at the centre of the range. How many
+/// references splits make is limited, and with it time and memory of the build.
 #include "builder/mesh_parts.h"
 #include "harness/scenes/scene_views.h"
 #include "harness/structures/build_meter.h"

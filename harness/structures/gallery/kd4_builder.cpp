@@ -261,34 +261,46 @@ double split_cost(double below, double count_below, double above, double count_a
 
 }  // namespace
 
-void KdBuilder::try_space(const Task& task, std::size_t axis, Split& best) const {
-  const std::span<const Reference> references = task.references.span();
-  const int lane = static_cast<int>(axis);
-  const Box4& cell = task.cell.box;
-  const float lower = cell.lower[lane], upper = cell.upper[lane];
-  const double whole = area(cell);
-  if (!(lower < upper) || !(whole > 0.0)) return;
-  const F32x4 size4 = cell.upper - cell.lower;
-  const double u = size4[(lane + 1) % 3], v = size4[(lane + 2) % 3];
-  const double per_area = 1.0 / whole;
-  const auto consider = [&](float plane, std::size_t count_below, std::size_t count_above) {
-    if (!(plane > lower && plane < upper)) return;
-    const double share_below = (u * v + (u + v) * (static_cast<double>(plane) - lower)) * per_area;
-    const double share_above = (u * v + (u + v) * (static_cast<double>(upper) - plane)) * per_area;
-    const double cost = split_cost(share_below, static_cast<double>(count_below), share_above,
-                                   static_cast<double>(count_above));
-    if (cost < best.cost) best = {cost, static_cast<KdAxis>(axis), plane};
-  };
-  const std::size_t n = references.size();
-  if (n <= kSweptReferences) {
+/// The planes across one axis of a cell.
+class KdBuilder::Planes {
+ public:
+  Planes(const Task& task, std::size_t axis, Split& best)
+      : references_(task.references.span()), axis_(axis), best_(best) {
+    const Box4& cell = task.cell.box;
+    const int lane = static_cast<int>(axis);
+    const F32x4 size4 = cell.upper - cell.lower;
+    const double u = size4[(lane + 1) % 3], v = size4[(lane + 2) % 3];
+    lower_ = cell.lower[lane];
+    upper_ = cell.upper[lane];
+    face_ = u * v / area(cell);
+    rim_ = (u + v) / area(cell);
+  }
+
+  void try_some() {
+    if (!(lower_ < upper_) || !std::isfinite(face_ + rim_)) return;
+    references_.size() <= kSweptReferences ? try_faces() : try_bins();
+  }
+
+ private:
+  void consider(float plane, std::size_t count_below, std::size_t count_above) {
+    if (!(plane > lower_ && plane < upper_)) return;
+    const double below = face_ + rim_ * (static_cast<double>(plane) - lower_);
+    const double above = face_ + rim_ * (static_cast<double>(upper_) - plane);
+    const double cost =
+        split_cost(below, static_cast<double>(count_below), above, static_cast<double>(count_above));
+    if (cost < best_.cost) best_ = {cost, static_cast<KdAxis>(axis_), plane};
+  }
+
+  /// At each face of a box: what begins before it is below, what ends behind it is above.
+  void try_faces() {
+    const std::size_t n = references_.size();
     std::array<float, kSweptReferences> lowers, uppers;
     for (std::size_t i = 0; i < n; ++i) {
-      lowers[i] = references[i].lower[axis];
-      uppers[i] = references[i].upper[axis];
+      lowers[i] = references_[i].lower[axis_];
+      uppers[i] = references_[i].upper[axis_];
     }
     std::sort(lowers.begin(), lowers.begin() + static_cast<std::ptrdiff_t>(n));
     std::sort(uppers.begin(), uppers.begin() + static_cast<std::ptrdiff_t>(n));
-    // At each lower face: what begins before it is below, what ends behind it is above.
     for (std::size_t i = 0, ended = 0; i < n; ++i) {
       while (ended < n && uppers[ended] <= lowers[i]) ++ended;
       if (i == 0 || lowers[i] > lowers[i - 1]) consider(lowers[i], i, n - ended);
@@ -297,26 +309,34 @@ void KdBuilder::try_space(const Task& task, std::size_t axis, Split& best) const
       while (begun < n && lowers[begun] < uppers[i]) ++begun;
       if (i + 1 == n || uppers[i] < uppers[i + 1]) consider(uppers[i], begun, n - i - 1);
     }
-    return;
   }
-  const float width = (upper - lower) / static_cast<float>(kBins);
-  const float per_width = 1.0f / width;
-  if (!(per_width <= std::numeric_limits<float>::max())) return;
-  const auto bin_of = [&](float x) {
-    const float bin = (x - lower) * per_width;
-    return std::min(bin > 0.0f ? static_cast<std::size_t>(bin) : 0, kBins - 1);
-  };
-  std::array<std::size_t, kBins> begin{}, end{};
-  for (const Reference& reference : references) {
-    ++begin[bin_of(reference.lower[axis])];
-    ++end[bin_of(reference.upper[axis])];
+
+  void try_bins() {
+    const float width = (upper_ - lower_) / static_cast<float>(kBins);
+    const float per_width = 1.0f / width;
+    if (!std::isfinite(per_width)) return;
+    const auto bin_of = [&](float x) {
+      const float bin = (x - lower_) * per_width;
+      return std::min(bin > 0.0f ? static_cast<std::size_t>(bin) : 0, kBins - 1);
+    };
+    std::array<std::size_t, kBins> begin{}, end{};
+    for (const Reference& reference : references_) {
+      ++begin[bin_of(reference.lower[axis_])];
+      ++end[bin_of(reference.upper[axis_])];
+    }
+    for (std::size_t bin = 1, begun = 0, ended = 0; bin < kBins; ++bin) {
+      begun += begin[bin - 1];
+      ended += end[bin - 1];
+      consider(lower_ + static_cast<float>(bin) * width, begun, references_.size() - ended);
+    }
   }
-  for (std::size_t bin = 1, begun = 0, ended = 0; bin < kBins; ++bin) {
-    begun += begin[bin - 1];
-    ended += end[bin - 1];
-    consider(lower + static_cast<float>(bin) * width, begun, n - ended);
-  }
-}
+
+  std::span<const Reference> references_;
+  std::size_t axis_;
+  Split& best_;
+  float lower_, upper_;  ///< of the cell
+  double face_, rim_;    ///< shares of its surface: one side across the axis; those along it, for each unit
+};
 
 void KdBuilder::try_time(const Task& task, Split& best) const {
   const ClosedTimeRange& range = task.cell.range;
@@ -344,61 +364,69 @@ void KdBuilder::try_time(const Task& task, Split& best) const {
 
 KdBuilder::Split KdBuilder::find_split(const Task& task) const {
   Split best;
-  for (std::size_t axis = 0; axis < 3; ++axis) try_space(task, axis, best);
+  for (std::size_t axis = 0; axis < 3; ++axis) Planes(task, axis, best).try_some();
   const auto moves = [&](const Reference& reference) { return !context_.meshes[reference.mesh].is_static(); };
   if (std::ranges::any_of(task.references.span(), moves)) try_time(task, best);
   return best;
 }
 
-std::optional<std::array<std::unique_ptr<KdBuilder::Task>, 2>> KdBuilder::split(std::unique_ptr<Task>& task,
-                                                                                Split& split) const {
-  if (task->levels == 0 || task->size() < 2) return std::nullopt;
-  split = find_split(*task);
-  const double cell_cost = kTestCost * static_cast<double>(task->size());
-  if (split.axis == KdAxis::kCell) return std::nullopt;
-  const std::size_t bad_splits = split.cost < cell_cost ? 0 : task->bad_splits + 1;
-  if (bad_splits > kMostBadSplits) return std::nullopt;
+std::unique_ptr<KdBuilder::Task> KdBuilder::new_side(const Task& whole, const KdCell& cell,
+                                                     std::size_t most) const {
+  return std::unique_ptr<Task>(
+      new Task{cell, {context_.memory, most}, 0.0, whole.share / 2, whole.levels - 1, 0});
+}
 
-  const std::span<const Reference> references = task->references.span();
-  std::array<std::unique_ptr<Task>, 2> sides;
-  const auto make_side = [&](std::size_t side, const KdCell& cell, std::size_t most) {
-    sides[side].reset(
-        new Task{cell, {context_.memory, most}, 0.0, task->share / 2, task->levels - 1, bad_splits});
-  };
-  if (split.axis == KdAxis::kTime) {
-    const auto halves = halves_at(task->cell.range, split.position);
-    for (std::size_t half = 0; half < 2; ++half) {
-      make_side(half, {task->cell.box, halves[half]}, references.size());
-      BoxesOver boxes(*this, halves[half]);
-      for (const Reference& reference : references) {
-        Box4 box;
-        if (!boxes.make(reference.mesh, reference.meshlet, box) || !overlap(box, task->cell.box)) continue;
-        sides[half]->references.add({clipped(box, task->cell.box), reference.mesh, reference.meshlet});
-      }
-    }
-  } else {
-    const auto axis = static_cast<std::size_t>(split.axis);
-    const float plane = split.position;
-    std::array<std::size_t, 2> counts{};
-    for (const Reference& reference : references) {
-      counts[0] += reference.is_below(axis, plane);
-      counts[1] += reference.is_above(axis, plane);
-    }
-    make_side(0, {below(task->cell.box, axis, plane), task->cell.range}, counts[0]);
-    make_side(1, {above(task->cell.box, axis, plane), task->cell.range}, counts[1]);
-    for (const Reference& reference : references) {
-      Reference part = reference;
-      part.upper[axis] = std::min(part.upper[axis], plane);
-      if (reference.is_below(axis, plane)) sides[0]->references.add(part);
-      part = reference;
-      part.lower[axis] = std::max(part.lower[axis], plane);
-      if (reference.is_above(axis, plane)) sides[1]->references.add(part);
+KdBuilder::Sides KdBuilder::sides_in_time(const Task& task, float boundary) const {
+  Sides sides;
+  const auto halves = halves_at(task.cell.range, boundary);
+  for (std::size_t half = 0; half < 2; ++half) {
+    sides[half] = new_side(task, {task.cell.box, halves[half]}, task.size());
+    BoxesOver boxes(*this, halves[half]);
+    for (const Reference& reference : task.references.span()) {
+      Box4 box;
+      if (!boxes.make(reference.mesh, reference.meshlet, box) || !overlap(box, task.cell.box)) continue;
+      sides[half]->references.add({clipped(box, task.cell.box), reference.mesh, reference.meshlet});
     }
   }
+  return sides;
+}
+
+KdBuilder::Sides KdBuilder::sides_in_space(const Task& task, std::size_t axis, float plane) const {
+  const std::span<const Reference> references = task.references.span();
+  std::array<std::size_t, 2> counts{};
+  for (const Reference& reference : references) {
+    counts[0] += reference.is_below(axis, plane);
+    counts[1] += reference.is_above(axis, plane);
+  }
+  Sides sides{new_side(task, {below(task.cell.box, axis, plane), task.cell.range}, counts[0]),
+              new_side(task, {above(task.cell.box, axis, plane), task.cell.range}, counts[1])};
+  for (const Reference& reference : references) {
+    Reference part = reference;
+    part.upper[axis] = std::min(part.upper[axis], plane);
+    if (reference.is_below(axis, plane)) sides[0]->references.add(part);
+    part = reference;
+    part.lower[axis] = std::max(part.lower[axis], plane);
+    if (reference.is_above(axis, plane)) sides[1]->references.add(part);
+  }
+  return sides;
+}
+
+std::optional<KdBuilder::Sides> KdBuilder::split(std::unique_ptr<Task>& task, Split& split) const {
+  if (task->levels == 0 || task->size() < 2) return std::nullopt;
+  split = find_split(*task);
+  if (split.axis == KdAxis::kCell) return std::nullopt;
+  const bool pays = split.cost < kTestCost * static_cast<double>(task->size());
+  const std::size_t bad_splits = pays ? 0 : task->bad_splits + 1;
+  if (bad_splits > kMostBadSplits) return std::nullopt;
+  Sides sides = split.axis == KdAxis::kTime
+                    ? sides_in_time(*task, split.position)
+                    : sides_in_space(*task, static_cast<std::size_t>(split.axis), split.position);
   const auto both = static_cast<double>(sides[0]->size() + sides[1]->size());
   if (both > task->most_references) return std::nullopt;
-  for (auto& side : sides)
-    side->most_references = both == 0 ? 0 : task->most_references * static_cast<double>(side->size()) / both;
+  for (auto& side : sides) {
+    side->bad_splits = bad_splits;
+    if (both > 0) side->most_references = task->most_references * static_cast<double>(side->size()) / both;
+  }
   task.reset();
   return sides;
 }

@@ -1,6 +1,7 @@
 /// Builds the kd-tree over space and time of `kd4`.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <span>
@@ -43,6 +44,8 @@ class KdBuilder {
   struct Split;
   struct Subtree;
   class BoxesOver;
+  class Planes;
+  using Sides = std::array<std::unique_ptr<Task>, 2>;
 
   void make_step_boxes();
   std::unique_ptr<Task> whole_task();
@@ -51,10 +54,12 @@ class KdBuilder {
   void count(const Subtree& subtree);
 
   Split find_split(const Task& task) const;
-  void try_space(const Task& task, std::size_t axis, Split& best) const;
   void try_time(const Task& task, Split& best) const;
-  /// The two sides of a split; none where it is not worth it, or takes too many references.
-  std::optional<std::array<std::unique_ptr<Task>, 2>> split(std::unique_ptr<Task>& task, Split& split) const;
+  std::unique_ptr<Task> new_side(const Task& whole, const KdCell& cell, std::size_t most) const;
+  Sides sides_in_time(const Task& task, float boundary) const;
+  Sides sides_in_space(const Task& task, std::size_t axis, float plane) const;
+  /// Splits `task`, which is gone then; none where that is not worth it, or takes too many references.
+  std::optional<Sides> split(std::unique_ptr<Task>& task, Split& split) const;
 
   BuildContext& context_;
   KdCell all_;
