@@ -25,6 +25,11 @@ struct GalleryEntry {
 /// In the order in which tables print them: by the year of the method, then ours.
 std::span<const GalleryEntry> gallery_entries();
 
+StructurePtr build_kd4(const Scene& scene, unsigned threads, const BuildProgress& progress);
+template <std::size_t kWindows>
+StructurePtr build_separate(const Scene& scene, unsigned threads, const BuildProgress& progress);
+StructurePtr build_time_boxes(const Scene& scene, unsigned threads, const BuildProgress& progress);
+std::string time_boxes_obstacle(const Scene& scene);
 StructurePtr build_union(const Scene& scene, unsigned threads, const BuildProgress& progress);
 StructurePtr build_box_sequence(const Scene& scene, unsigned threads, const BuildProgress& progress);
 StructurePtr build_box_sequence_tsah(const Scene& scene, unsigned threads, const BuildProgress& progress);

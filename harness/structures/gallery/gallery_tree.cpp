@@ -7,6 +7,7 @@
 #include "builder/mesh_parts.h"
 #include "harness/scenes/scene_views.h"
 #include "harness/structures/build_meter.h"
+#include "harness/structures/gallery/one_by_one.h"
 #include "isolated.h"
 #include "layout/node_slots.h"
 #include "mesh_table.h"
@@ -99,17 +100,8 @@ void GalleryTree::build(const Scene& scene, const Method& method, const BuildPro
   record_.structure_bytes = sizeof *this + MeshTable::bytes_of(context.meshes);
   if (tree_ != nullptr) record_.structure_bytes += tree_->block.bytes() + tree_->method_bytes;
   record_.peak_bytes = context.memory.peak() + record_.structure_bytes;
-  for (const BuildMesh& mesh : context.meshes) {
-    record_.steps_kept += mesh.steps_kept().size();
-    record_.max_deviation = std::max(record_.max_deviation, mesh.deviation());
-  }
-  for (const BuildMesh& mesh : context.meshes) {
-    const MeshView& view = mesh.view();
-    step_times_.emplace_back(view.step_times.begin(), view.step_times.end());
-    // All leaves are inline: the caller's buffers are not read.
-    records_.push_back(
-        {mesh.grid(), view.mask, view.geom_id, nullptr, nullptr, 0, step_times_.back().data(), mesh.index()});
-  }
+  enter_steps(context.meshes, record_);
+  records_ = MeshRecords(context.meshes);
   view_.meshes = records_.data();
   view_.empty = tree_ == nullptr;
   if (tree_ == nullptr) return;
@@ -119,18 +111,11 @@ void GalleryTree::build(const Scene& scene, const Method& method, const BuildPro
 }
 
 void GalleryTree::intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const {
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    Hit hit;
-    hits[i] = intersect_one(rays[i], hit) ? HitRecord{hit.t, hit.geom_id, hit.prim_id}
-                                          : HitRecord{rays[i].tfar, kInvalidId, kInvalidId};
-  }
+  intersect_one_by_one(*this, rays, hits);
 }
 
 void GalleryTree::occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const {
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const std::uint32_t id = occluded_one(rays[i]) ? 0u : kInvalidId;
-    hits[i] = {rays[i].tfar, id, id};
-  }
+  occluded_one_by_one(*this, rays, hits);
 }
 
 bool GalleryTree::intersect_one(const Ray& ray, Hit& hit) const {

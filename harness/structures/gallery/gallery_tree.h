@@ -8,6 +8,7 @@
 #include "block.h"
 #include "builder/build_context.h"
 #include "harness/structures/gallery/gallery_view.h"
+#include "harness/structures/gallery/mesh_records.h"
 #include "harness/structures/gallery/top_down.h"
 #include "harness/structures/structure_under_test.h"
 
@@ -76,8 +77,7 @@ class GalleryTree final : public StructureUnderTest {
  private:
   void build(const Scene& scene, const Method& method, const BuildProgress& progress);
 
-  std::vector<std::vector<float>> step_times_;  ///< that the records name
-  std::vector<MeshRecord> records_;
+  MeshRecords records_;
   std::unique_ptr<WrittenTree> tree_;  ///< null: there is nothing
   GalleryView view_;
   BuildRecord record_;
