@@ -10,8 +10,9 @@ namespace stbvh::harness::gallery {
 namespace {
 
 constexpr MethodKernels make_method_kernels() {
-  return {.box_sequence = make_kernels<BoxSequenceSlabs>()};
-  return {.slabs_12 = make_kernels<Slabs12>(), .obb_linear = make_kernels<ObbSlabs>()};
+  return {.box_sequence = make_kernels<BoxSequenceSlabs>(),
+          .slabs_12 = make_kernels<Slabs12>(),
+          .obb_linear = make_kernels<ObbSlabs>()};
 }
 
 }  // namespace
