@@ -51,7 +51,7 @@ VertexBuffer vertices_at(const Rings& rings, double angle) {
     const double along = static_cast<double>(ring) / static_cast<double>(rings.along);
     for (std::size_t i = 0; i < rings.around; ++i) {
       const double around = kTurn * static_cast<double>(i) / static_cast<double>(rings.around);
-      const double bump = std::sin(3 * around) * std::sin(5 * kTurn * along);
+      const double bump = std::cos(2 * around) * std::sin(5 * kTurn * along);
       const double radius = kRadius * (1 + kBumps * bump);
       put(rings.at(ring, i), 2 * along - 1, radius * std::cos(around), radius * std::sin(around));
     }

@@ -12,10 +12,10 @@ ALL_RAYS = "bounce+uniform+shadow"
 WITHOUT = "stbvh-no-"  # ours without an idea
 BAR_HEIGHT = 0.2
 SLICE_WIDTH = 1.55  # inches
-PANEL = (4.6, 3.1)
 
 # What a structure is says its colour.
-EARLIER, OURS, ABLATION, REFERENCE = COLOURS[0], COLOURS[2], COLOURS[1], COLOURS[3]
+EARLIER, OURS, ABLATION, EMBREES = COLOURS[0], COLOURS[2], COLOURS[1], COLOURS[3]
+KINDS = ((EARLIER, "other methods"), (EMBREES, "made of Embree's"), (OURS, "STBVH"), (ABLATION, "STBVH without an idea"))
 
 
 def colour_of(structure):
@@ -23,7 +23,7 @@ def colour_of(structure):
         return ABLATION
     if structure.startswith("stbvh"):
         return OURS
-    return REFERENCE if structure.startswith(("embree", "lbvh")) else EARLIER
+    return EMBREES if structure.startswith(("embree", "lbvh")) else EARLIER
 
 
 def geometric_mean(values):
@@ -111,7 +111,7 @@ def finish_bars(axes, structures, label):
 def draw_gallery(records):
     """Speed, nodes and leaves, bytes of every structure over all scenes."""
     structures = names_of(records)
-    figure, (speed, visits, size) = plt.subplots(1, 3, sharey=True, figsize=(10, 1.3 + BAR_HEIGHT * len(structures)))
+    figure, (speed, visits, size) = plt.subplots(1, 3, sharey=True, figsize=(10, 1.7 + BAR_HEIGHT * len(structures)))
 
     bars = speed_bars(records, structures)
     draw_bars(speed, records, structures, bars)
@@ -135,11 +135,15 @@ def draw_gallery(records):
         size.set_xscale("log")
         size.xaxis.set_major_formatter("{x:g}")
 
+    shown = {colour_of(s) for s in structures}
+    figure.legend([plt.Rectangle((0, 0), 1, 1, color=lighter(colour, 0.15)) for colour, _ in KINDS if colour in shown]
+                  + [plt.Rectangle((0, 0), 1, 1, facecolor="0.6", edgecolor="white", hatch="/////")],
+                  [text for colour, text in KINDS if colour in shown] + ["without vector instructions"],
+                  loc="lower center", ncol=5, fontsize=7.5, frameon=False, bbox_to_anchor=(0.5, 0.3 / figure.get_figheight()))
     scenes = len(distinct(r["scene"] for r in records if r["kind"] == "gallery"))
     rays = (joint_rays(records) or "no").replace("+", ", ")
     finish(figure, records, f"The gallery over {scenes} scene{'s' if scenes > 1 else ''}",
-           f"geometric means; speed: {rays} rays, whiskers: least and largest mean in a repeat. blue: methods before ours; "
-           "red: ours; orange: ours without an idea; green: Embree's")
+           f"geometric means; speed: {rays} rays, whiskers: least and largest mean in a repeat", legend_height=0.3)
     figure.subplots_adjust(wspace=0.34)
     return figure
 
@@ -153,13 +157,13 @@ def wide(bars):
 
 
 def line_styles(structures):
-    """Lines that are told apart: a colour for what a structure is, marker and dashes for which one."""
+    """Lines that are told apart; ours is the thick one."""
+    others = [c for c in COLOURS if c != OURS]
     found = {}
-    for colour, members in grouped([{"s": s, "c": colour_of(s)} for s in structures], "c").items():
-        for index, member in enumerate(members):
-            base = COLOURS[(COLOURS.index(colour[0]) + 0) % len(COLOURS)]
-            found[member["s"]] = {"color": lighter(base, 0.55 * index / len(members)),
-                                  "marker": MARKERS[index % len(MARKERS)], "linestyle": LINES[index % len(LINES)]}
+    for index, structure in enumerate(s for s in structures if s != DIRECT):
+        found[structure] = {"color": others[index % len(others)], "marker": MARKERS[index % len(MARKERS)],
+                            "linestyle": LINES[index // len(others) % len(LINES)], "linewidth": 1}
+    found[DIRECT] = {"color": OURS, "marker": "o", "linestyle": "-", "linewidth": 2}
     return found
 
 
@@ -199,7 +203,7 @@ def draw_growth(records, growing):
                  [own[v]["build_s"] for v in values if v in own])
         for axes, y in zip(panels, lines):
             shown = [(a, b) for a, b in zip(x, y) if b is not None]
-            axes.plot([a for a, _ in shown], [b for _, b in shown], label=structure, linewidth=1.1, markersize=3.5,
+            axes.plot([a for a, _ in shown], [b for _, b in shown], label=structure, markersize=3.5,
                       **style[structure])
     for axes, label in zip(panels, (f"speed, times {DIRECT}", "MB (1e6 bytes)", "build time, s")):
         if over == "steps":
@@ -286,13 +290,12 @@ def area(polygon):
 
 
 def draw_slice(axes, triangles, bounds, colour):
-    for shape in triangles:
-        axes.fill(*zip(*shape), facecolor="0.45", edgecolor="none", zorder=1)
     for shape in bounds:
         corners = hull(shape)
         if len(corners) > 2:
-            axes.fill(*zip(*corners), facecolor=(*lighter(colour, 0), 0.12), edgecolor=(*lighter(colour, 0), 0.9),
-                      linewidth=0.6, zorder=2)
+            axes.fill(*zip(*corners), facecolor=(*lighter(colour, 0), 0.1), edgecolor=(*lighter(colour, 0), 0.9), linewidth=0.6)
+    for shape in triangles:
+        axes.fill(*zip(*shape), facecolor="0.25", edgecolor="0.55", linewidth=0.2, zorder=3)
 
 
 def draw_slices(records, slices, structures, title):
@@ -313,15 +316,14 @@ def draw_slices(records, slices, structures, title):
             axes.set_xticks([])
             axes.set_yticks([])
             axes.spines[:].set_color("0.8")
-            covered = sum(area(hull(shape)) for shape in bounds)
-            axes.text(0.04, 0.04, f"{len(bounds)} bounds, area {covered:.2f}", fontsize=6.5, transform=axes.transAxes,
-                      bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1})
+            covered = sum(area(hull(shape)) for shape in bounds) / area(hull([p for shape in triangles for p in shape]))
+            axes.set_xlabel(f"{len(bounds)} bounds, area {covered:.1f}", fontsize=7, labelpad=2)
         row[0].set_ylabel(structure, rotation=0, ha="right", va="center", labelpad=8, fontsize=9)
     for axes, time in zip(panels[0], times):
         axes.set_title(f"time {time:.2f}")
     finish(figure, slices, title,
-           "a bar that turns by half a turn in 8 segments, seen along its axis; grey: its triangles at that time; shapes: the "
-           "bounds of the leaves that rays of that time are held against")
+           "a bar that turns by half a turn in 8 segments; shapes: bounds of the leaves that rays of that time are held against; "
+           "area: their sum, the bar's is 1")
     return figure
 
 

@@ -37,12 +37,12 @@ class Row {
                                                                all->mean.min, all->mean.max));
     line += fmt::format("{:>7}{:>7}", visits(&GalleryResult::Visits::nodes),
                         visits(&GalleryResult::Visits::leaves));
-    line += fmt::format("{:>7}{:>7}{:>9}{:>7}", mean(build("structure_bytes")), mean(build("build_s")),
+    line += fmt::format("{:>7}{:>7}{:>9}  {:<9}", mean(build("structure_bytes")), mean(build("build_s")),
                         wrong(), any.steps);
     const auto measured = std::ranges::count_if(results_, [](const auto* r) { return r->traced > 0; });
     if (static_cast<std::size_t>(measured) < scenes)
       line += fmt::format("  {} of {} scenes", measured, scenes);
-    return line + "\n";
+    return line.substr(0, line.find_last_not_of(' ') + 1) + "\n";
   }
 
  private:
@@ -113,7 +113,7 @@ std::string gallery_table(const std::vector<GalleryResult>& results,
   std::string text = fmt::format("\nthe gallery, {} scene{}: speed, bytes and build time of {} = 1\n{:<27}",
                                  scenes, scenes == 1 ? "" : "s", kReference, "structure");
   for (const std::string_view rays : kRays) text += fmt::format("{:>8}", rays);
-  text += fmt::format("{:>18}{:>7}{:>7}{:>7}{:>7}{:>9}{:>7}\n", "all (spread)", "nodes", "leaves", "bytes",
+  text += fmt::format("{:>18}{:>7}{:>7}{:>7}{:>7}{:>9}  {}\n", "all (spread)", "nodes", "leaves", "bytes",
                       "build", "wrong", "steps");
   for (const std::string& structure : distinct(results, &GalleryResult::structure))
     text += Row(structure, results, summaries).text(scenes);
