@@ -8,6 +8,7 @@
 
 #include "harness/report/json.h"
 #include "harness/report/summary.h"
+#include "tests/harness/gallery_records.h"
 #include "tests/harness/run_stbvh_ab.h"
 #include "tests/harness/temporary_folder.h"
 
@@ -106,6 +107,50 @@ TEST_F(Charts, AreDrawnOfWhateverTheRecordsHold) {
     EXPECT_NE(content(name).find("</svg>"), std::string::npos) << name;
     EXPECT_NE(run.out.find(name + "\n"), std::string::npos) << name;
   }
+}
+
+TEST_F(Charts, OfAGalleryAreItsOwn) {
+  write("gallery.json", to_json(gallery_report(), Machine{}, "abc"));
+  const Outcome run = charts(at("gallery.json"));
+  EXPECT_EQ(run.exit_code, 0) << run.out;
+  const std::set<std::string> expected{
+      "gallery.svg",          "gallery-steps.svg",  "gallery-quarter-turns.svg",
+      "gallery-separate.svg", "gallery-slices.svg", "gallery-slices-ours.svg"};
+  EXPECT_EQ(drawn(), expected) << run.out;
+  for (const std::string& name : drawn()) EXPECT_NE(content(name).find("</svg>"), std::string::npos) << name;
+  const std::string first = content("gallery-slices.svg");
+  EXPECT_EQ(charts(at("gallery.json")).exit_code, 0);
+  EXPECT_EQ(content("gallery-slices.svg"), first);
+}
+
+TEST_F(Charts, OfAGalleryNeedNotHoldEverything) {
+  Report report = gallery_report();
+  report.scalings.clear();
+  report.slices.clear();
+  report.speeds.clear();  // of scenes that Embree does not take there are no ratios
+  std::erase_if(report.summaries, [](const SummaryResult& r) { return r.measure == "speed"; });
+  std::erase_if(report.galleries, [](const GalleryResult& r) { return r.structure == "separate-2"; });
+  write("gallery.json", to_json(report, Machine{}, "abc"));
+  const Outcome run = charts(at("gallery.json"));
+  EXPECT_EQ(run.exit_code, 0) << run.out;
+  EXPECT_EQ(drawn(), std::set<std::string>{"gallery.svg"}) << run.out;
+}
+
+TEST_F(Charts, OfABrokenGalleryAreRefusedInOneLine) {
+  Report report = gallery_report();
+  const auto refused = [&](std::string text, const std::string& from, const std::string& to,
+                           const std::string& reason) {
+    const std::size_t at_text = text.find(from);
+    ASSERT_NE(at_text, std::string::npos) << from;
+    write("broken.json", text.replace(at_text, from.size(), to));
+    expect_refusal(charts(at("broken.json")), reason);
+  };
+  const std::string whole = to_json(report, Machine{}, "abc");
+  refused(whole, "\"step_limit\": \"any\"", "\"step_limit\": 7", "\"step_limit\" is not a text");
+  refused(whole, "\"wrong\": 0", "\"wrong\": \"x\"", "\"wrong\" is not a number");
+  refused(whole, "\"compared_with\"", "\"compared\"", "lack the field");
+  refused(whole, "\"separate-2\"", "\"separate-x\"", "not");
+  refused(whole, "\"shapes\": [", "\"shapes\": [7,", "not");
 }
 
 TEST_F(Charts, OfTheSameRecordsAreTheSameBytes) {
