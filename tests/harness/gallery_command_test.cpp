@@ -54,7 +54,8 @@ class GalleryCommand : public testing::Test {
   }
   static std::vector<nlohmann::json> records(const std::string& kind) {
     std::vector<nlohmann::json> found;
-    for (const auto& r : nlohmann::json::parse(read_file(path("out/gallery.json"))).at("records")) {
+    const auto all = nlohmann::json::parse(read_file(path("out/gallery.json"))).at("records");
+    for (const auto& r : all) {
       if (r["kind"] == kind) found.push_back(r);
     }
     return found;
