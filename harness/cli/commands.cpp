@@ -19,13 +19,20 @@ namespace {
 
 struct ListOptions {
   bool families = false;
+  bool gallery = false;
 };
 
 void add_options(CLI::App& app, ListOptions& o) {
   app.add_flag("--families", o.families, "The families of hard cases instead, and what they are");
+  app.add_flag("--gallery", o.gallery, "The structures of the gallery instead, and what they are");
 }
 
 void run_list(const ListOptions& options) {
+  if (options.gallery) {
+    for (std::string_view name : gallery_names())
+      fmt::print("{:<25} {}\n", name, structure_description(name));
+    return;
+  }
   if (options.families) {
     for (const HardFamily& family : hard_families())
       fmt::print("{:<25} {}\n", family.name, family.description);
@@ -42,6 +49,7 @@ void run_list(const ListOptions& options) {
   fmt::print("rays\n ");
   for (RayKind kind : ray_kinds()) fmt::print(" {}", ray_kind_name(kind));
   fmt::print("\n{} families of hard cases: stbvh-ab list --families\n", hard_families().size());
+  fmt::print("{} structures of the gallery: stbvh-ab list --gallery\n", gallery_names().size());
 }
 
 Work list_command(CLI::App& app) {
@@ -68,6 +76,9 @@ constexpr Command kCommands[] = {
      "What a change of the scene costs: commit time and speed after random edits, against building anew"},
     {"frames", frames_command,
      "Many frames of an animation in one structure, against a structure for each frame"},
+    {"gallery", gallery_command,
+     "The methods before ours, and ours without its ideas: exactness, speed, visits, bytes, growth, "
+     "pictures"},
     {"charts", charts_command,
      "Draw the records of bench and scaling: speed, bytes, build time (needs python3-matplotlib)"},
     {"results", results_command,

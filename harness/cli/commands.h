@@ -37,6 +37,8 @@ Work scaling_command(CLI::App& app);
 /// Throws WrongAnswers as `error` does, where an updated structure answers otherwise than one built anew.
 Work edits_command(CLI::App& app);
 Work frames_command(CLI::App& app);
+/// Writes tables, records and pictures. Throws WrongAnswers as `error` does, ScriptFailure.
+Work gallery_command(CLI::App& app);
 /// Draws the records of bench, scaling, edits and frames; prints the files' names. Throws ScriptFailure.
 Work charts_command(CLI::App& app);
 /// Writes a page of the records of several machines. Throws ScriptFailure.

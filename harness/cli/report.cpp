@@ -22,6 +22,7 @@ struct ReportOptions : SceneOptions {
   std::string output;                   ///< folder
   std::string from;                     ///< what need not be measured; empty: nothing
   bool quick = false;
+  bool gallery = false;
   unsigned threads = 1;
 };
 
@@ -44,6 +45,7 @@ void add_options(CLI::App& app, ReportOptions& o) {
       "Folder of an earlier report, or of record files (bench.json, error.json, ...): its parts are "
       "not measured again");
   app.add_flag("--quick", o.quick, "Fewer rays, samples and frozen times");
+  app.add_flag("--gallery", o.gallery, "The gallery too, which takes long");
   add_threads_option(app, o.threads);
 }
 
@@ -56,6 +58,7 @@ void run_report(const ReportOptions& options) {
   if (!options.structures.empty())
     words.push_back(fmt::format("--structures={}", fmt::join(options.structures, ",")));
   if (options.quick) words.emplace_back("--quick");
+  if (options.gallery) words.emplace_back("--gallery");
   if (std::find(options.scenes.begin(), options.scenes.end(), kLargePicture) != options.scenes.end())
     words.push_back(fmt::format("--large-picture={}", kLargePicture));
   words.emplace_back("--");

@@ -25,8 +25,9 @@ constexpr std::string_view kRatioReference = "embree";
 /// Bench of one scene.
 class SceneBench {
  public:
-  SceneBench(const Scene& scene, const SpeedOptions& options, std::uint64_t seed, Progress& progress)
-      : scene_(scene), options_(options), seed_(seed), progress_(progress) {}
+  SceneBench(const Scene& scene, const SpeedOptions& options, std::uint64_t seed, Progress& progress,
+             const OnBuilt& on_built)
+      : scene_(scene), options_(options), seed_(seed), progress_(progress), on_built_(on_built) {}
 
   SceneFigures run(std::vector<std::string> names) {
     if (options_.rays.empty()) {
@@ -83,6 +84,7 @@ class SceneBench {
     for (const std::string& name : group) {
       StructurePtr structure = build(name);
       if (structure == nullptr) continue;
+      if (on_built_) on_built_(name, *structure, rays);
       names.push_back(name);
       pointers.push_back(structure.get());
       structures.push_back(std::move(structure));
@@ -166,6 +168,7 @@ class SceneBench {
   const SpeedOptions& options_;
   std::uint64_t seed_;
   Progress& progress_;
+  const OnBuilt& on_built_;
   std::map<std::string, std::vector<BuildRecord>> builds_;
   std::vector<SpeedResult> speeds_;
 };
@@ -220,8 +223,9 @@ std::vector<std::string> with_reference(std::vector<std::string> names) {
 }
 
 SceneFigures measure_scene(const Scene& scene, const std::vector<std::string>& names,
-                           const SpeedOptions& options, std::uint64_t seed, Progress& progress) {
-  return SceneBench(scene, options, seed, progress).run(names);
+                           const SpeedOptions& options, std::uint64_t seed, Progress& progress,
+                           const OnBuilt& on_built) {
+  return SceneBench(scene, options, seed, progress, on_built).run(names);
 }
 
 std::string bench_scene(const Scene& scene, const BenchOptions& options, Progress& progress, Report& report) {

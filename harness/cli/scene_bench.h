@@ -3,13 +3,17 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "harness/program/options.h"
 #include "harness/program/session.h"
+#include "harness/rays/ray_set.h"
 #include "harness/report/records.h"
 #include "harness/scenes/scene.h"
+#include "harness/structures/structure_under_test.h"
 
 namespace stbvh::harness {
 
@@ -44,11 +48,17 @@ struct SceneFigures {
 /// `names` with the structure that ratios refer to before them.
 std::vector<std::string> with_reference(std::vector<std::string> names);
 
+/// Told of each structure when it has been built, before it is traced with the rays. The one that ratios
+/// refer to is built more than once where not all structures fit into memory together.
+using OnBuilt =
+    std::function<void(const std::string& name, const StructureUnderTest&, std::span<const RaySet>)>;
+
 /// Builds those of `names` that fit into memory over `scene` (a line on stdout for each other), traces the
 /// rays of `options` by `seed` with all of them in turn, then builds them again within the build budget.
 /// Without kinds of rays they are only built, one at a time.
 SceneFigures measure_scene(const Scene& scene, const std::vector<std::string>& names,
-                           const SpeedOptions& options, std::uint64_t seed, Progress& progress);
+                           const SpeedOptions& options, std::uint64_t seed, Progress& progress,
+                           const OnBuilt& on_built = {});
 
 /// Builds the structures of `options`, and embree, over `scene`, traces the same rays with all of them in
 /// turn (with each of its thread counts) and adds the figures to `report`. Returns their tables.

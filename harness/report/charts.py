@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Charts of the records that `stbvh-ab bench`, `scaling` and `edits` write.
+"""Charts of the records that `stbvh-ab bench`, `scaling`, `edits` and `gallery` write.
 
 charts.py RECORDS.json... -o DIR [--structures NAME,...] [--format svg|png]
 
@@ -12,11 +12,12 @@ import math
 import os
 import re
 
+import gallery_charts
 from chart_tools import finish, log_scale, plt, save, styles, whiskers
 from record_files import check_distinct, distinct, fail, grouped, make_folder, read_records, run
 
 REFERENCE = "embree"
-KINDS = ("build", "speed", "summary", "scaling", "edit", "frames", "truth")  # of records that are drawn here
+KINDS = ("build", "speed", "summary", "scaling", "edit", "frames", "truth", "gallery", "slice")  # of records that are drawn here
 PANELS_ABREAST = 3
 PANEL_WIDTH = 3.6  # inches, beside the names
 NAME_WIDTH = 1.5
@@ -320,7 +321,10 @@ def draw_truth(records):
 
 
 def charts(records):
-    """File names, without ending, and what draws them."""
+    """File names, without ending, and what draws them. Records of a gallery are drawn as such alone."""
+    if any(r["kind"] == "gallery" for r in records):
+        yield from gallery_charts.charts(records)
+        return
     kinds = {kind: [r for r in records if r["kind"] == kind] for kind in KINDS}
     summaries = [r for r in kinds["summary"] if r["measure"] == "speed"]
     for (reference, threads), group in grouped(summaries, "reference", "threads").items():

@@ -164,6 +164,32 @@ Json to_record(const ScalingResult& r) {
   return record;
 }
 
+Json to_record(const GalleryResult& r) {
+  const auto of_visits = [&](double GalleryResult::Visits::*part) {
+    return r.visits ? Json((*r.visits).*part) : Json();
+  };
+  return {{"kind", "gallery"},
+          {"scene", r.scene},
+          {"structure", r.structure},
+          {"compared_with", r.compared_with},
+          {"is_exact", r.is_exact ? 1 : 0},
+          {"step_limit", r.steps},
+          {"obstacle", r.obstacle.empty() ? Json() : Json(r.obstacle)},
+          {"nodes_per_ray", of_visits(&GalleryResult::Visits::nodes)},
+          {"leaves_per_ray", of_visits(&GalleryResult::Visits::leaves)},
+          {"triangle_tests_per_ray", of_visits(&GalleryResult::Visits::triangle_tests)},
+          {"traced", r.traced},
+          {"wrong", r.wrong}};
+}
+
+Json to_record(const SliceResult& r) {
+  return {{"kind", "slice"},
+          {"scene", r.scene},
+          {"structure", r.structure.empty() ? Json() : Json(r.structure)},
+          {"time", r.time},
+          {"shapes", r.shapes}};
+}
+
 Json to_record(const EditResult& r) {
   Json record = {{"kind", "edit"},
                  {"scene", r.scene},
@@ -284,6 +310,8 @@ std::string to_json(const Report& report, const Machine& machine, const std::str
   for (const ParetoResult& r : report.paretos) records.push_back(to_record(r));
   for (const SummaryResult& r : report.summaries) records.push_back(to_record(r));
   for (const ScalingResult& r : report.scalings) records.push_back(to_record(r));
+  for (const GalleryResult& r : report.galleries) records.push_back(to_record(r));
+  for (const SliceResult& r : report.slices) records.push_back(to_record(r));
   for (const EditResult& r : report.edits) records.push_back(to_record(r));
   for (const FramesResult& r : report.frames) records.push_back(to_record(r));
   for (const CompareResult& r : report.compares) records.push_back(to_record(r));

@@ -112,8 +112,8 @@ def read_file(path):
 
 # Fields of records; all others are numbers.
 TEXTS = {"kind", "scene", "structure", "family", "reference", "measure", "rays", "over", "what", "worst_scene", "origin",
-         "picture", "reference_structure", "reference_picture", "difference_picture"}
-HOLDERS = {"ratios_to_embree", "difference", "nodes", "triangles", "worst", "warnings"}  # also of a number: "triangles"
+         "picture", "reference_structure", "reference_picture", "difference_picture", "compared_with", "step_limit", "obstacle"}
+HOLDERS = {"ratios_to_embree", "difference", "nodes", "triangles", "worst", "warnings", "shapes"}  # also of a number: "triangles"
 
 
 def check_record(record, path):
@@ -144,7 +144,7 @@ def grouped(records, *keys):
 
 # What a record is about: no two may agree in all of these.
 IDENTITY = ("kind", "scene", "family", "structure", "reference", "measure", "rays", "threads", "over", "value", "edit",
-            "frames", "samples_per_pixel")
+            "frames", "samples_per_pixel", "time")
 
 
 def check_distinct(records):

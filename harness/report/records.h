@@ -1,6 +1,7 @@
 /// What a run of the harness found, as it stands in tables and JSON.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -137,11 +138,42 @@ struct ParetoResult {
 
 /// A structure at one point of a scaling run.
 struct ScalingResult {
-  std::string over;       ///< "steps", "triangles", "threads" or "bytes"
+  std::string over;       ///< "steps", "triangles", "threads", "bytes" or "quarter turns"
   std::size_t value = 0;  ///< how many of them, as asked, percent of embree's bytes; what the scene has of
                           ///< triangles is in `build`
   BuildResult build;
   std::vector<SpeedResult> speeds{};  ///< of each kind of rays; none over triangles
+};
+
+/// What a structure of the gallery, or one that these are held against, is and does in a scene, beside its
+/// build, its speeds and its errors.
+struct GalleryResult {
+  /// Of a mean ray.
+  struct Visits {
+    double nodes = 0;
+    double leaves = 0;
+    double triangle_tests = 0;
+  };
+
+  std::string scene;
+  std::string structure;
+  std::string compared_with;       ///< whose speed its own is held against: of the same instructions
+  bool is_exact = false;           ///< promises exact answers
+  std::string steps;               ///< that it takes, of any scene: "any", or how many at most
+  std::string obstacle{};          ///< why it does not take this scene; empty: it does
+  std::optional<Visits> visits{};  ///< bounce and uniform rays; empty: it does not count
+  std::size_t traced = 0;          ///< of all kinds of rays
+  std::size_t wrong = 0;           ///< answers beyond rounding
+};
+
+/// What a structure bounds parts of a scene with at a time, seen along z; or, of no structure, the triangles.
+struct SliceResult {
+  using Point = std::array<float, 2>;
+
+  std::string scene;
+  std::string structure;  ///< empty: the triangles
+  double time = 0;
+  std::vector<std::vector<Point>> shapes{};  ///< corners, in no order
 };
 
 /// A structure after an edit of its scene.
@@ -248,6 +280,8 @@ struct Report {
   std::vector<ParetoResult> paretos;
   std::vector<SummaryResult> summaries;
   std::vector<ScalingResult> scalings;
+  std::vector<GalleryResult> galleries;
+  std::vector<SliceResult> slices;
   std::vector<EditResult> edits;
   std::vector<FramesResult> frames;
   std::vector<CompareResult> compares;

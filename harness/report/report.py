@@ -2,7 +2,7 @@
 """One page of everything that was measured: what `stbvh-ab report` runs.
 
 report.py -o DIR --program STBVH_AB --threads N [--from DIR] [--structures NAMES] [--quick]
-          [--large-picture SCENE] [-- WORDS...]
+          [--gallery] [--large-picture SCENE] [-- WORDS...]
 
 Runs STBVH_AB for each part that --from does not have; WORDS are its options that say which scenes and how they are
 made. Leaves in DIR: records/*.json, tables/*.txt, images, charts, index.html, which needs nothing else, and report.md
@@ -24,6 +24,7 @@ from record_files import distinct, fail, make_folder, read_file, run, write_whol
 
 TITLE = "STBVH for Embree: measurements"
 PARTS = ("bench", "error", "hard", "renders", "pareto", "truth")
+GALLERY = "gallery"  # a part where it is asked for, or is there
 STRUCTURES = "embree,embree-robust,embree-compact,embree-4v,lbvh,lbvh-4v,stbvh,stbvh-direct"
 PICTURE_STRUCTURES = "embree,embree-4v,lbvh,stbvh,stbvh-direct"
 RAYS = "primary,bounce,uniform,shadow,bounce-occluded,uniform-occluded"
@@ -55,7 +56,7 @@ class Measuring:
         folder = self.a.from_folder
         if not os.path.isdir(folder):
             fail(f'--from: "{folder}" is not a folder.')
-        for part in PARTS:
+        for part in (*PARTS, GALLERY):
             inner = os.path.join(folder, "records", f"{part}.json")
             path = inner if os.path.lexists(inner) else os.path.join(folder, f"{part}.json")
             if os.path.lexists(path):
@@ -95,8 +96,8 @@ class Measuring:
     def with_tables(self, part, words):
         self.show(self.command(part, words + ["--tables", self.path("tables", f"{part}.txt")]))
 
-    def with_scenes(self, *words):
-        return [*words, *self.a.scene_words, "--threads", self.a.threads]
+    def with_scenes(self, *words, threads=None):
+        return [*words, *self.a.scene_words, "--threads", threads or self.a.threads]
 
     def structures(self, otherwise=STRUCTURES):
         return self.a.structures or otherwise
@@ -150,6 +151,11 @@ class Measuring:
             self.path("images")])
         write_whole(self.path("tables", "truth.txt"), text.encode())
 
+    def gallery(self):
+        self.show(self.command(GALLERY, self.with_scenes(
+            "gallery", "--no-pictures", "-o", self.path("tables", GALLERY), "--count", self.choose("20000", "2000"),
+            "--repeats", self.choose("7", "3"), "--growth", self.choose("20000", "1000"), threads="1")))
+
     def run(self):
         for inner in ("records", "tables", "images", "charts"):
             make_folder(self.path(inner))
@@ -158,7 +164,7 @@ class Measuring:
             taken = list(self.take_records())
             if not taken:
                 fail(f'--from: there are no records in "{self.a.from_folder}".')
-        for part in PARTS:
+        for part in (*PARTS, GALLERY) if self.a.gallery else PARTS:
             if part not in taken:
                 getattr(self, part)()
 
@@ -172,11 +178,11 @@ def read_json(path):
 
 
 def read_parts(measuring):
-    return [{"name": part, **read_file(measuring.record_file(part))} for part in PARTS
+    return [{"name": part, **read_file(measuring.record_file(part))} for part in (*PARTS, GALLERY)
             if os.path.exists(measuring.record_file(part))]
 
 
-def drawn_charts(records, folder):
+def drawn_charts(records, of_gallery, folder):
     """Charts by name; None without matplotlib."""
     try:
         import matplotlib  # noqa: F401
@@ -184,9 +190,10 @@ def drawn_charts(records, folder):
         return None
     import charts
     import chart_tools
+    import gallery_charts
     import plot_pareto
 
-    drawings = list(charts.charts(records))
+    drawings = list(charts.charts(records)) + list(gallery_charts.charts(of_gallery))
     pareto = [r for r in records if r["kind"] == "pareto"]
     if pareto:
         drawings.append(("pareto", lambda: plot_pareto.draw_pareto(pareto)))
@@ -201,13 +208,22 @@ def drawn_charts(records, folder):
 
 
 def chosen_records(files):
-    """Of kinds that several parts hold (pareto has a bench and hard cases of its own), those of the first."""
+    """Of kinds that several parts hold (pareto has a bench and hard cases of its own), those of the first.
+
+    The gallery's are its own.
+    """
     chosen = []
     kinds = set()
     for file in files:
+        if file["name"] == GALLERY:
+            continue
         chosen += [r for r in file["records"] if r["kind"] not in kinds]
         kinds |= {r["kind"] for r in file["records"]}
     return chosen
+
+
+def records_of_gallery(files):
+    return [r for file in files if file["name"] == GALLERY for r in file["records"]]
 
 
 def page_sections(files, charts):
@@ -219,6 +235,7 @@ def page_sections(files, charts):
               ("pareto", lambda: sections.pareto(records, charts)), ("render", lambda: sections.renders(records)),
               ("truth", lambda: sections.truth(records, charts)))
     found = [sections.summary(records, structures)] + [make() for kind, make in makers if kind in kinds]
+    found += [sections.gallery(records_of_gallery(files), charts)] if records_of_gallery(files) else []
     return found + [sections.reproduce(files)]
 
 
@@ -226,7 +243,7 @@ def write_page(measuring):
     folder = measuring.a.output
     files = read_parts(measuring)
     subtitle = "; ".join(distinct(f["records"][0]["origin"] for f in files))
-    charts = drawn_charts(chosen_records(files), folder)
+    charts = drawn_charts(chosen_records(files), records_of_gallery(files), folder)
     found = page_sections(files, charts or {})
     if charts is None:
         found[0].blocks.append(Text("There are no charts on this page: Debian's `python3-matplotlib` is missing."))
@@ -245,6 +262,7 @@ def main():
     parser.add_argument("--from", dest="from_folder", metavar="DIR")
     parser.add_argument("--structures")
     parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--gallery", action="store_true")
     parser.add_argument("--large-picture", metavar="SCENE",
                         help="of WORDS, rendered once more with many samples: how long a picture takes")
     parser.add_argument("scene_words", nargs="*")

@@ -1,4 +1,6 @@
 """From records to the sections of a report. Each function takes the records of its part and returns a section."""
+from statistics import geometric_mean
+
 from page_blocks import Card, Cards, Cell, Chart, Commands, Fold, Picture, Pictures, Section, Table, Text
 from record_files import distinct, grouped
 
@@ -271,6 +273,61 @@ def pareto(records, charts):
                   "RMSE: of the renderings below against those of the same seed through an exact structure.",
                   ours_among([r["structure"] for r in points]))
     return Section("pareto", "Speed against error", [charts[n] for n in charts if n == "pareto"] + [table])
+
+
+# --- the gallery ---
+
+
+def gallery_cells(records, structure, scenes):
+    """What a structure is and does over all scenes."""
+    mine = [r for r in records if r["kind"] == "gallery" and r["structure"] == structure]
+    summaries = {(r["measure"], r["rays"], r["reference"]): r for r in records
+                 if r["kind"] == "summary" and r["structure"] == structure}
+    against = mine[0]["compared_with"]
+    kinds = distinct(r["rays"] for r in records if r["kind"] == "summary" and r["measure"] == "speed")
+    for rays in kinds:
+        r = summaries.get(("speed", rays, against))
+        yield f'{r["mean_ratio"]:.2f}' if r else "-"
+    r = summaries.get(("speed", together_of(kinds), against))
+    yield spread(r, "mean_ratio") if r else "-"
+    for key in ("nodes_per_ray", "leaves_per_ray"):
+        values = [r[key] for r in mine if r[key]]
+        yield f"{geometric_mean(values):.1f}" if values else "-"
+    for measure in ("structure_bytes", "build_s"):
+        r = summaries.get((measure, None, "stbvh-direct"))
+        yield f'{r["mean_ratio"]:.2f}' if r else "-"
+    traced, wrong = sum(r["traced"] for r in mine), sum(r["wrong"] for r in mine)
+    yield bad_count(wrong, traced) if mine[0]["is_exact"] or wrong == 0 else Cell(f"{100 * wrong / traced:.2g} %")
+    yield mine[0]["step_limit"]
+    yield f'{sum(1 for r in mine if r["traced"])} of {scenes}'
+
+
+def together_of(kinds):
+    return max(kinds, key=lambda k: k.count("+")) if kinds else None
+
+
+def gallery(records, charts):
+    found = [r for r in records if r["kind"] == "gallery"]
+    names = distinct(r["structure"] for r in found)
+    scenes = len(distinct(r["scene"] for r in found))
+    against = {r["structure"]: r["compared_with"] for r in found}
+    rows = [[f"`{name}`" + (" *" if against[name] != "stbvh-direct" else ""), *gallery_cells(records, name, scenes)]
+            for name in names]
+    kinds = distinct(r["rays"] for r in records if r["kind"] == "summary" and r["measure"] == "speed")
+    head = ["structure"] + [k.replace("+", " + ") for k in kinds] + ["least to largest", "nodes", "leaves", "bytes",
+                                                                     "build time", "wrong", "steps", "scenes"]
+    obstacles = grouped([r for r in found if r["obstacle"] is not None], "structure", "obstacle")
+    blocks = [Text("The methods that came before the STBVH, and ours without its ideas one by one, all made of the same "
+                   "parts: meshlets, leaves, triangle test, padding and collapse. Each answered the rays right, by the exact "
+                   "oracle, before it was timed with them."),
+              *[charts[n] for n in charts if n == "gallery"],
+              Table(head, rows, "Speed, bytes and build time: times `stbvh-direct`. *: without vector instructions, speed times "
+                    "`stbvh-direct-scalar`. Nodes and leaves: of a bounce or uniform ray. Geometric means over the scenes. "
+                    "Wrong: answers beyond rounding. Steps: that a mesh may have.", ours_among(names))]
+    blocks += [Text(f'`{structure}` does not take {", ".join(r["scene"] for r in group)}: {why}.')
+               for (structure, why), group in obstacles.items()]
+    blocks += [charts[n] for n in charts if n.startswith("gallery-")]
+    return Section("gallery", "The gallery", blocks)
 
 
 # --- pictures ---

@@ -59,18 +59,17 @@ std::string joined(const Names& names) {
 /// Summaries of one report.
 class Summary {
  public:
-  explicit Summary(const Report& report)
+  Summary(const Report& report, std::span<const std::string_view> references)
       : report_(report),
         scenes_(distinct(report.builds, &BuildResult::scene)),
         structures_(distinct(report.builds, &BuildResult::structure)) {
-    for (std::string_view name : kReferences) {
+    for (std::string_view name : references) {
       if (std::find(structures_.begin(), structures_.end(), name) != structures_.end())
         references_.emplace_back(name);
     }
   }
 
   std::vector<SummaryResult> results() {
-    if (scenes_.size() < 2) return {};
     for (unsigned threads : distinct(report_.speeds, &SpeedResult::threads)) {
       for (const Names& kinds : kinds_of_rays()) add_speeds(threads, kinds);
     }
@@ -181,7 +180,13 @@ class Summary {
 }  // namespace
 
 std::vector<SummaryResult> summarize_scenes(const Report& report) {
-  return Summary(report).results();
+  if (distinct(report.builds, &BuildResult::scene).size() < 2) return {};
+  return summarize_scenes(report, kReferences);
+}
+
+std::vector<SummaryResult> summarize_scenes(const Report& report,
+                                            std::span<const std::string_view> references) {
+  return Summary(report, references).results();
 }
 
 }  // namespace stbvh::harness

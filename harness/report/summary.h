@@ -1,6 +1,8 @@
 /// What a run says over all of its scenes.
 #pragma once
 
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "harness/report/records.h"
@@ -17,5 +19,10 @@ namespace stbvh::harness {
 /// median of its own repeats. Scenes that lack the structure or the reference do not count. Empty for fewer
 /// than two scenes.
 std::vector<SummaryResult> summarize_scenes(const Report& report);
+
+/// The same against `references`, of one scene too. Speeds are compared by way of `embree`, which must be in
+/// the run.
+std::vector<SummaryResult> summarize_scenes(const Report& report,
+                                            std::span<const std::string_view> references);
 
 }  // namespace stbvh::harness

@@ -4,6 +4,7 @@
 
 #include "harness/scenes/scene_views.h"
 #include "harness/structures/build_meter.h"
+#include "harness/structures/gallery/gallery_tree.h"
 #include "stbvh/saved_structure.h"
 
 namespace stbvh::harness {
@@ -112,6 +113,34 @@ bool StbvhDirect::occluded_one(const Ray& ray) const {
 
 bool StbvhDirect::intersect_one_counted(const Ray& ray, Hit& hit, TraversalCounters& counters) const {
   return has_counters() ? structure_->intersect_counted(ray, hit, counters) : intersect_one(ray, hit);
+}
+
+namespace {
+
+class OutlineCollector final : public NodeVisitor {
+ public:
+  OutlineCollector(float time, std::size_t level) : time_(time), level_(level) {}
+
+  bool enter(const TreeNode& node) override {
+    if (!(time_ >= node.time_range.begin && time_ <= node.time_range.end)) return false;
+    if (node.level < level_ && !is_leaf(node.kind)) return true;
+    outlines_.push_back(gallery::corners_of(node.box.at(time_)));
+    return false;
+  }
+  std::vector<Outline> take() { return std::move(outlines_); }
+
+ private:
+  float time_;
+  std::size_t level_;
+  std::vector<Outline> outlines_;
+};
+
+}  // namespace
+
+std::vector<Outline> StbvhDirect::outlines_at(float time, std::size_t level) const {
+  OutlineCollector collector(time, level);
+  structure_->visit_nodes(collector);
+  return collector.take();
 }
 
 }  // namespace stbvh::harness

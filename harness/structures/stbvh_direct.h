@@ -25,6 +25,7 @@ class StbvhDirect : public StructureUnderTest {
   /// The counting traversal is that of the default instruction set.
   bool has_counters() const override { return !isa_; }
   bool intersect_one_counted(const Ray& ray, Hit& hit, TraversalCounters& counters) const override;
+  std::vector<Outline> outlines_at(float time, std::size_t level) const override;
   const Structure* tree() const override { return structure_.get(); }
 
  private:

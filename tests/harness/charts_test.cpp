@@ -8,6 +8,7 @@
 
 #include "harness/report/json.h"
 #include "harness/report/summary.h"
+#include "tests/harness/gallery_records.h"
 #include "tests/harness/run_stbvh_ab.h"
 #include "tests/harness/temporary_folder.h"
 
@@ -106,6 +107,54 @@ TEST_F(Charts, AreDrawnOfWhateverTheRecordsHold) {
     EXPECT_NE(content(name).find("</svg>"), std::string::npos) << name;
     EXPECT_NE(run.out.find(name + "\n"), std::string::npos) << name;
   }
+}
+
+TEST_F(Charts, OfAGalleryAreItsOwn) {
+  write("gallery.json", to_json(gallery_report(), Machine{}, "abc"));
+  const Outcome run = charts(at("gallery.json"));
+  EXPECT_EQ(run.exit_code, 0) << run.out;
+  const std::set<std::string> expected{
+      "gallery.svg",          "gallery-steps.svg",  "gallery-quarter-turns.svg",
+      "gallery-separate.svg", "gallery-slices.svg", "gallery-slices-ours.svg"};
+  EXPECT_EQ(drawn(), expected) << run.out;
+  for (const std::string& name : drawn()) EXPECT_NE(content(name).find("</svg>"), std::string::npos) << name;
+  const std::string first = content("gallery-slices.svg");
+  EXPECT_EQ(charts(at("gallery.json")).exit_code, 0);
+  EXPECT_EQ(content("gallery-slices.svg"), first);
+}
+
+TEST_F(Charts, OfAGalleryNeedNotHoldEverything) {
+  Report report = gallery_report();
+  report.scalings.clear();
+  report.slices.clear();
+  report.speeds.clear();  // of scenes that Embree does not take there are no ratios
+  std::erase_if(report.summaries, [](const SummaryResult& r) { return r.measure == "speed"; });
+  std::erase_if(report.galleries, [](const GalleryResult& r) { return r.structure == "separate-2"; });
+  write("gallery.json", to_json(report, Machine{}, "abc"));
+  const Outcome run = charts(at("gallery.json"));
+  EXPECT_EQ(run.exit_code, 0) << run.out;
+  EXPECT_EQ(drawn(), std::set<std::string>{"gallery.svg"}) << run.out;
+}
+
+TEST_F(Charts, OfABrokenGalleryAreRefused) {
+  const auto refused = [&](const std::string& from, const std::string& to, const std::string& reason) {
+    std::string text = to_json(gallery_report(), Machine{}, "abc");
+    const std::size_t place = text.find(from);
+    ASSERT_NE(place, std::string::npos) << from;
+    write("broken.json", text.replace(place, from.size(), to));
+    const Outcome run = charts(at("broken.json"));
+    EXPECT_EQ(run.exit_code, 2) << run.out;
+    const std::size_t line = run.out.rfind("stbvh-ab: ");  // below the names of what had been drawn
+    ASSERT_NE(line, std::string::npos) << run.out;
+    EXPECT_NE(run.out.find(reason, line), std::string::npos) << run.out;
+    EXPECT_EQ(std::count(run.out.begin() + static_cast<std::ptrdiff_t>(line), run.out.end(), '\n'), 1)
+        << run.out;
+  };
+  refused("\"step_limit\": \"any\"", "\"step_limit\": 7", "\"step_limit\" is not a text");
+  refused("\"wrong\": 0", "\"wrong\": \"x\"", "\"wrong\" is not a number");
+  refused("\"compared_with\"", "\"compared\"", "lack the field");
+  refused("\"separate-2\"", "\"separate-x\"", "do not hold what they should");
+  refused("\"shapes\": [", "\"shapes\": [7,", "do not hold what they should");
 }
 
 TEST_F(Charts, OfTheSameRecordsAreTheSameBytes) {

@@ -7,7 +7,9 @@
 #include <memory>
 #include <string>
 
+#include "harness/report/json.h"
 #include "plugin/files/output_file.h"
+#include "tests/harness/gallery_records.h"
 #include "tests/harness/run_stbvh_ab.h"
 #include "tests/harness/temporary_folder.h"
 
@@ -94,6 +96,23 @@ TEST_F(ReportPage, IsMadeAnewWithoutMeasuring) {
   EXPECT_FALSE(holds(again.out, "embree")) << again.out;  // no tables
   EXPECT_EQ(read_file(path("again/index.html")), read_file(path("page/index.html")));
   EXPECT_EQ(read_file(path("again/report.md")), read_file(path("page/report.md")));
+}
+
+TEST_F(ReportPage, HoldsTheGalleryThatWasMeasured) {
+  ASSERT_EQ(made().exit_code, 0) << made().out;
+  EXPECT_FALSE(holds(read_file(path("page/report.md")), "The gallery"));
+  fs::copy(path("page"), path("earlier"), fs::copy_options::recursive);
+  write_file(path("earlier/records/gallery.json"),
+             to_json(gallery_report(), Machine{}, "abc", "stbvh-ab gallery -o gallery"));
+  const Outcome run = stbvh_ab("report --gallery --from " + path("earlier") + " -o " + path("with-gallery"));
+  EXPECT_EQ(run.exit_code, 0) << run.out;
+  EXPECT_EQ(
+      problems(path("with-gallery"), "'The gallery' union kd4 'does not take b' '2.5 %' 'stbvh-ab gallery'"),
+      "");
+  for (const char* chart : {"gallery", "gallery-steps", "gallery-separate", "gallery-slices"})
+    EXPECT_TRUE(fs::exists(path("with-gallery/charts/" + std::string(chart) + ".svg"))) << chart;
+  // What the others found is theirs.
+  EXPECT_EQ(read_file(path("with-gallery/charts/bytes.svg")), read_file(path("page/charts/bytes.svg")));
 }
 
 TEST_F(ReportPage, SaysThatThereAreNoChartsWithoutMatplotlib) {
