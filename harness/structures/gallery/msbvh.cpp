@@ -1,7 +1,7 @@
 /// `msbvh`: Grünschloß's spatial splits on our builder (Grünschloß, Stich, Nawaz and Keller 2011, "MSBVH: An
-/// Efficient Acceleration Data Structure for Ray Traced Motion Blur"). Its text was not to be had. What its
-/// abstract says: spatial splits, as in the SBVH (Stich, Friedrich and Dietrich 2009), over bounds that are
-/// interpolated between steps. All else here is inferred.
+/// Efficient Acceleration Data Structure for Ray Traced Motion Blur"). Its text was not to be had.
+/// What is known of it: spatial splits, and bounds that are interpolated between steps. All else is inferred,
+/// after the SBVH (Stich, Friedrich and Dietrich 2009).
 ///
 /// Stored, traversed: as `box-sequence`.
 /// Built: as `box-sequence-tsah`, but where the sides of the best object split overlap by more than
@@ -20,9 +20,6 @@
 /// as each piece has the part of the bounds on its side of each plane at least (clip()). The point that the
 /// triangle test reports lies within the bounds of its triangle, as far as rays are padded for
 /// (docs/accuracy.md), and so in that of one piece.
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_reduce.h>
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
