@@ -252,6 +252,19 @@ TEST(Kd4, ItsCellsFillTheSpaceAtAnyTime) {
   EXPECT_TRUE(is_scalar("kd4"));
 }
 
+/// One mesh ends and one begins at the time at which the shutter is halved.
+TEST(Kd4, ATimeBelongsToOneSide) {
+  Scene scene;
+  Pcg32 random(4);
+  for (const TimeRange range : {TimeRange{0.0f, 0.5f}, TimeRange{0.5f, 1.0f}}) {
+    scene.meshes.push_back(wandering_triangles(1000, 3, random));
+    scene.meshes.back().time_range = range;
+  }
+  const float before = std::nextafter(0.5f, 0.0f), after = std::nextafter(0.5f, 1.0f);
+  const auto tree = build_structure("kd4", scene, 2);
+  expect_answers_of_ours(*tree, scene, rays_at({before, 0.5f, after}, 5000));
+}
+
 /// The mesh moves by its size: its boxes at one time are a small part of those of all times.
 TEST(Kd4, TimeIsSplitWhereThatSeparates) {
   Scene scene;
