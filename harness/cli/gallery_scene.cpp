@@ -116,7 +116,7 @@ std::vector<GalleryResult> GalleryScene::results(const std::vector<std::string>&
     }
     all.push_back(new_result(scene_, name));
     all.back().obstacle = obstacle(name, scene_);
-    if (all.back().obstacle.empty()) all.back().obstacle = "it does not fit into memory";
+    if (all.back().obstacle.empty()) all.back().obstacle = "it did not fit into memory";
   }
   return all;
 }
