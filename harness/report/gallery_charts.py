@@ -9,7 +9,7 @@ from record_files import distinct, grouped
 
 DIRECT, SCALAR = "stbvh-direct", "stbvh-direct-scalar"  # what methods are held against
 ALL_RAYS = "bounce+uniform+shadow"
-WITHOUT = "stbvh-no-"  # ours without an idea
+WITHOUT = "no-"  # ours without an idea
 BAR_HEIGHT = 0.2
 SLICE_WIDTH = 1.55  # inches
 
@@ -131,8 +131,8 @@ def draw_gallery(records):
     write_values(size, structures, {s: f"{v[0]:.2f}" for s, v in bars.items()})
     finish_bars(size, structures, f"bytes, times {DIRECT}\n(logarithmic)" if wide(bars) else f"bytes, times {DIRECT}")
     if wide(bars):
-        size.set_xlim(left=None)
         size.set_xscale("log")
+        size.set_xlim(left=0.7 * min(v[0] for v in bars.values()))
         size.xaxis.set_major_formatter("{x:g}")
 
     shown = {colour_of(s) for s in structures}
@@ -249,10 +249,7 @@ def draw_separate(records):
     axes.set_xscale("log", base=2)
     axes.set_xticks(trees, trees)
     axes.minorticks_off()
-    if all(share > 0 for points in lines.values() for _, share in points):
-        log_scale(axes)
-    else:
-        axes.set_ylim(bottom=0)
+    axes.set_ylim(bottom=0)
     axes.set_xlabel("static trees in the shutter")
     axes.set_ylabel("rays answered wrongly, %")
     axes.legend(frameon=False, loc="center left", bbox_to_anchor=(1.0, 0.5))
