@@ -85,6 +85,7 @@ constexpr Command kCommands[] = {
      "A page of the records of bench, error and hard on several machines, side by side"},
     {"render", render_command,
      "Path-traced pictures of each scene through each structure, as OpenEXR files of many layers"},
+    {"merge", merge_command, "Join the tiles of a picture that were rendered apart (render --tile)"},
     {"compare", compare_command,
      "Compare a picture with a reference: RMSE, relative MSE, FLIP, the worst pixels"},
     {"truth", truth_command,

@@ -48,6 +48,9 @@ Work results_command(CLI::App& app);
 Work render_command(CLI::App& app);
 /// Prints how far a picture is from a reference; writes the difference picture and the record, if asked for.
 Work compare_command(CLI::App& app);
+/// Writes the picture that tiles of render are parts of. Throws UsageError where they are not, or not all of
+/// it.
+Work merge_command(CLI::App& app);
 /// Prints how far renderings of motion are from the mean of renderings at frozen times; writes both pictures.
 /// Throws Interrupted at SIGINT.
 Work truth_command(CLI::App& app);

@@ -101,10 +101,39 @@ Environment read_environment(const fs::path& path) {
   return environment;
 }
 
-/// Renders one picture and writes it; `label` stands in front of the progress.
+/// Whether that picture has been made before, whole, and of the same.
+bool is_finished(const fs::path& file, const Metadata& making, const Strip& strip) {
+  std::error_code error;
+  if (!fs::exists(file, error)) return false;
+  Metadata wanted = making;
+  wanted.emplace_back("strip", strip_text(strip));
+  wanted.emplace_back("complete", "yes");
+  try {
+    const LayeredImage image = read_exr(file);
+    const std::string differs = first_difference(wanted, image.metadata);
+    if (differs.empty()) return true;
+    fmt::print("{}: made again, as its {} was another\n", file.string(), differs);
+  } catch (const ImageFileError&) {
+    fmt::print("{}: made again, as it cannot be read\n", file.string());
+  }
+  return false;
+}
+
+/// Renders one picture and writes it.
 void make_picture(const RenderOptions& options, const Scene& scene, const std::string& structure_name,
                   const fs::path& file, Progress& progress) {
   const std::string label = fmt::format("{}, {}", scene.name, structure_name);
+  RenderSettings settings = options.settings;
+  settings.seed = options.seed;
+  settings.camera = chosen_camera(options.camera, scene.camera);
+  Metadata making = making_metadata(settings, scene, structure_name, options.environment);
+  if (options.resume) {
+    progress.clear();
+    if (is_finished(file, making, settings.strip)) {
+      fmt::print("{}: finished before\n", file.string());
+      return;
+    }
+  }
   progress.stage(label + ": building");
   std::unique_ptr<StructureUnderTest> structure;
   try {
@@ -121,12 +150,10 @@ void make_picture(const RenderOptions& options, const Scene& scene, const std::s
                                passed * (1 - fraction) / fraction));
   };
   const Interruption interruption;
-  RenderSettings settings = options.settings;
-  settings.seed = options.seed;
-  settings.camera = chosen_camera(options.camera, scene.camera);
   Rendering rendering = render(scene, *structure, settings, show, &interruption.flag());
   progress.clear();
-  add_metadata(settings, scene.name, structure_name, options.environment, rendering);
+  rendering.image.metadata = std::move(making);
+  add_outcome(settings, rendering);
   write_exr(rendering.image, file);
   if (options.png) write_png(tone_mapped(rendering.image), png_beside(file));
   if (!rendering.is_complete) {
@@ -144,6 +171,10 @@ void make_picture(const RenderOptions& options, const Scene& scene, const std::s
 
 void run_render(const RenderOptions& options) {
   check_shutter_times(options.settings.shutter);
+  if (options.settings.strip.count > options.settings.height) {
+    throw UsageError(fmt::format("--tile: a picture of {} rows has no {} tiles.", options.settings.height,
+                                 options.settings.strip.count));
+  }
   if (rendering_bytes(options.settings) > available_memory_bytes()) {
     throw UsageError(
         fmt::format("--size: a picture of {} x {} pixels takes {:.1f} GB, and {:.1f} GB are free.",

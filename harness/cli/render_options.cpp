@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <cstdio>
 #include <stdexcept>
 #include <string_view>
 
@@ -27,6 +28,25 @@ void add_shutter_options(CLI::App& app, Shutter& shutter) {
          "How it opens and closes: box (at once), trapezoid (a quarter of the time each), triangle")
       ->check(CLI::IsMember({"box", "trapezoid", "triangle"}))
       ->default_str("box");
+}
+
+/// "2/4".
+Strip parse_strip(const std::string& text) {
+  std::size_t index = 0, count = 0;
+  int end = 0;
+  if (text.find_first_not_of("0123456789/") != std::string::npos ||
+      std::sscanf(text.c_str(), "%zu/%zu%n", &index, &count, &end) != 2 ||
+      end != static_cast<int>(text.size()) || index < 1 || index > count || count > kMaxPictureSide) {
+    throw UsageError(fmt::format("--tile: 1/4 to 4/4 are the tiles of four, not \"{}\".", text));
+  }
+  return {index - 1, count};
+}
+
+void add_tile_option(CLI::App& app, Strip& strip) {
+  app.add_option_function<std::string>(
+         "--tile", [&strip](const std::string& text) { strip = parse_strip(text); },
+         "I/N: of the rows of the picture the I-th of N parts; stbvh-ab merge joins them")
+      ->default_str("1/1");
 }
 
 void add_point_option(CLI::App& app, const char* name, std::optional<Vec3f>& point, const char* description) {
@@ -78,6 +98,10 @@ void add_options(CLI::App& app, RenderOptions& o) {
                  "OpenEXR file; for several scenes or structures a folder of SCENE-STRUCTURE.exr")
       ->required();
   app.add_flag("--png", o.png, "Beside each OpenEXR file a PNG to look at");
+  app.add_flag(
+      "--resume", o.resume,
+      "Leave pictures as they are that are there already, whole, of the same scene, settings and commit");
+  add_tile_option(app, o.settings.strip);
   add_json_option(app, o,
                   "File for the records; beside the OpenEXR files SCENE-STRUCTURE*.png of each picture, its "
                   "difference from that of stbvh-direct, and what camera rays meet");

@@ -22,6 +22,7 @@ struct RenderOptions : SessionOptions {
   std::vector<std::string> structures;
   std::string output;  ///< a file, or a folder
   bool png = false;
+  bool resume = false;      ///< pictures that are there already, whole and made alike, are not made again
   RenderSettings settings;  ///< but for the seed, which stands above, and the camera
   CameraOptions camera;
   std::string environment;  ///< OpenEXR file; empty: what the scene brings

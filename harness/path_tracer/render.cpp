@@ -48,6 +48,10 @@ void check_picture(const RenderSettings& settings) {
         fmt::format("A picture of {} x {} pixels cannot be made: each side is 1 to {}.", settings.width,
                     settings.height, kMaxPictureSide));
   }
+  if (settings.strip.index >= settings.strip.count || settings.strip.count > settings.height) {
+    throw std::invalid_argument(fmt::format("A picture of {} rows has no strip {} of {}.", settings.height,
+                                            settings.strip.index + 1, settings.strip.count));
+  }
   if (settings.samples_per_pixel == 0 || settings.samples_per_pixel > kMaxSamplesPerPixel) {
     throw std::invalid_argument(
         fmt::format("A picture needs 1 to {} samples for each pixel.", kMaxSamplesPerPixel));
@@ -59,8 +63,11 @@ Rendering render(const Scene& scene, const StructureUnderTest& structure, const 
   check_picture(settings);
   const PathTracer tracer(scene, structure, settings);
   Rendering rendering;
-  rendering.image = empty_layers(settings.width, settings.height, structure.has_counters());
-  const Tiling tiles(settings.width, settings.height);
+  const std::size_t top = settings.strip.top(settings.height), rows = settings.strip.rows(settings.height);
+  rendering.image = empty_layers(settings.width, rows, structure.has_counters());
+  rendering.image.top = static_cast<std::int64_t>(top);
+  rendering.image.display = PixelWindow{0, 0, settings.width, settings.height};
+  const Tiling tiles(settings.width, rows);
   Tally tally(rendering, tiles.count(), progress);
   std::optional<tbb::global_control> thread_limit;
   if (settings.threads > 0) {
@@ -74,7 +81,7 @@ Rendering render(const Scene& scene, const StructureUnderTest& structure, const 
     for (std::size_t y = tile.y0; y < tile.y1; ++y) {
       for (std::size_t x = tile.x0; x < tile.x1; ++x) {
         PixelSums sums;
-        for (std::size_t i = 0; i < settings.samples_per_pixel; ++i) sums.add(tracer.trace(x, y, i));
+        for (std::size_t i = 0; i < settings.samples_per_pixel; ++i) sums.add(tracer.trace(x, top + y, i));
         sums.store(rendering.image, y * settings.width + x);
         rays += sums.rays();
         not_finite += sums.not_finite();
@@ -88,7 +95,7 @@ Rendering render(const Scene& scene, const StructureUnderTest& structure, const 
 }
 
 std::size_t rendering_bytes(const RenderSettings& settings) {
-  return settings.width * settings.height * layer_bytes_per_pixel();
+  return settings.width * settings.strip.rows(settings.height) * layer_bytes_per_pixel();
 }
 
 }  // namespace stbvh::harness

@@ -17,6 +17,7 @@ struct Rendering {
   /// hit (0 where none does; motion: pixels from the shutter's opening to its closing); mesh.id and
   /// primitive.id of the first sample (kInvalidId: nothing). nodes.N and triangles.N: what the camera's rays
   /// met in the tree, means, only from structures that count. Tiles that are not finished are black.
+  /// Of a strip, the rows that it has, with the whole picture as display window.
   LayeredImage image;
   std::uint64_t rays = 0;        ///< of all kinds
   std::uint64_t not_finite = 0;  ///< samples left out because their radiance was NaN or infinite: an error

@@ -199,7 +199,8 @@ void PreviewModel::write_layers(const fs::path& base, const GrowingPicture& pict
     if (!structures[slot]) continue;
     Rendering rendering = picture.rendering(slot);
     const BuiltStructure& built = *structures[slot];
-    add_metadata(made, built.scene->name, built.name, {}, rendering);
+    rendering.image.metadata = making_metadata(made, *built.scene, built.name, {});
+    add_outcome(made, rendering);
     std::array<std::string, kSlots> one{built.name, ""};
     rendering.image.metadata.emplace_back("command", render_command(options_, built.asked_scene, one, made));
     write_exr(rendering.image, base.string() + (slot == 0 ? ".exr" : "-b.exr"));

@@ -20,6 +20,7 @@ class RenderCommand : public TemporaryFolderTest {
     return {image.metadata.begin(), image.metadata.end()};
   }
 
+  const std::string base_ = "render --scenes wheels --scale 0.01 --structures stbvh-direct ";
   const std::string small_ = "render --scenes wheels --scale 0.01 --size 40x24 --spp 2 ";
 };
 
@@ -199,6 +200,109 @@ TEST_F(RenderCommand, TruthStopsAtMotionWhenInterrupted) {
   EXPECT_NE(run.out.find(" samples per pixel: only the pictures of frozen times"), std::string::npos)
       << run.out;
   EXPECT_EQ(std::distance(fs::directory_iterator(out), {}), 2) << "the .exr and .png of frozen times";
+}
+
+/// Three tiles of a picture whose rows three does not divide.
+class TiledPicture : public RenderCommand {
+ protected:
+  void SetUp() override {
+    for (const char* const i : {"1", "2", "3"}) {
+      const Outcome run = stbvh_ab(base_ + "--size 40x25 --spp 2 --tile " + i + "/3 -o " + tile(i));
+      ASSERT_EQ(run.exit_code, 0) << run.out;
+    }
+  }
+  std::string tile(const char* i) const { return at("tile-" + std::string(i) + ".exr"); }
+  Outcome merge(const std::string& tiles) const {
+    return stbvh_ab("merge " + tiles + " -o " + at("merged.exr"));
+  }
+  void expect_no_merge(const std::string& tiles, const std::string& reason) const {
+    const Outcome run = merge(tiles);
+    EXPECT_EQ(run.exit_code, 2) << run.out;
+    EXPECT_NE(run.out.find("stbvh-ab: "), std::string::npos) << run.out;
+    EXPECT_NE(run.out.find(reason), std::string::npos) << run.out;
+    EXPECT_FALSE(fs::exists(folder / "merged.exr"));
+  }
+};
+
+TEST_F(TiledPicture, IsTheSameBitsAsOneProcess) {
+  ASSERT_EQ(merge(tile("3") + " " + tile("1") + " " + tile("2")).exit_code, 0);
+  ASSERT_EQ(stbvh_ab(base_ + "--size 40x25 --spp 2 -o " + at("whole.exr")).exit_code, 0);
+  const LayeredImage middle = read_exr(tile("2"));
+  EXPECT_EQ(middle.top, 8);
+  EXPECT_EQ(middle.height, 8u);
+  EXPECT_EQ(middle.display_window(), (PixelWindow{0, 0, 40, 25}));
+  const LayeredImage merged = read_exr(folder / "merged.exr"), whole = read_exr(folder / "whole.exr");
+  EXPECT_EQ(merged.window(), whole.window());
+  ASSERT_EQ(merged.channels.size(), whole.channels.size());
+  for (std::size_t i = 0; i < whole.channels.size(); ++i) {
+    EXPECT_EQ(merged.channels[i].name, whole.channels[i].name);
+    EXPECT_EQ(bytes_of(merged.channels[i].values), bytes_of(whole.channels[i].values))
+        << whole.channels[i].name;
+  }
+  ASSERT_EQ(merged.id_channels.size(), whole.id_channels.size());
+  for (std::size_t i = 0; i < whole.id_channels.size(); ++i)
+    EXPECT_EQ(merged.id_channels[i].values, whole.id_channels[i].values);
+  auto of_merged = metadata(folder / "merged.exr"), of_whole = metadata(folder / "whole.exr");
+  for (const char* const name : {"scene", "scene_hash", "seed", "spp", "commit", "complete", "strip", "rays"})
+    EXPECT_EQ(of_merged[name], of_whole[name]) << name;
+}
+
+TEST_F(TiledPicture, IsRefusedUnlessItsTilesAreAllOfIt) {
+  expect_no_merge(tile("1") + " " + tile("3"), "Rows 8 to 15 are in none of the tiles.");
+  expect_no_merge(tile("1") + " " + tile("2"), "Rows 16 to 24 are in none of the tiles.");
+  expect_no_merge(tile("1") + " " + tile("2") + " " + tile("2") + " " + tile("3"),
+                  "rows that another tile has too");
+  const std::string others = tile("1") + " " + tile("2") + " " + at("other.exr");
+  const std::string other = base_ + "--size 40x25 --tile 3/3 -o " + at("other.exr") + " --spp ";
+  ASSERT_EQ(stbvh_ab(other + "3").exit_code, 0);
+  expect_no_merge(others, "spp is \"2\" and \"3\"");
+  ASSERT_EQ(stbvh_ab(other + "2 --seed 9").exit_code, 0);
+  expect_no_merge(others, "scene_hash is ");
+  LayeredImage stopped = read_exr(tile("3"));
+  for (auto& [name, value] : stopped.metadata) {
+    if (name == "complete") value = "no";
+  }
+  write_exr(stopped, folder / "other.exr");
+  expect_no_merge(others, "is not complete");
+  stopped.metadata.clear();
+  write_exr(stopped, folder / "other.exr");
+  expect_no_merge(others, "is no tile of stbvh-ab render");
+  fs::resize_file(tile("3"), fs::file_size(tile("3")) / 2);
+  expect_no_merge(tile("1") + " " + tile("2") + " " + tile("3"), "Cannot read the picture");
+}
+
+TEST_F(RenderCommand, RefusesTilesThatAreNone) {
+  for (const char* const text : {"0/3", "4/3", "2", "a/b", "1/3x", "1/99999", "-1/3"}) {
+    const Outcome run = stbvh_ab(small_ + "-o " + at("a.exr") + " --tile=" + text);
+    EXPECT_EQ(run.exit_code, 2) << text;
+    EXPECT_NE(run.out.find("--tile"), std::string::npos) << run.out;
+  }
+  expect_refusal(stbvh_ab(small_ + "-o " + at("a.exr") + " --tile 1/25"),
+                 "a picture of 24 rows has no 25 tiles");
+}
+
+TEST_F(RenderCommand, ResumesWhatIsNotFinished) {
+  const std::string command = base_ + "--size 40x24 --resume -o " + at("a.exr") + " --spp ";
+  const auto made = [&](const std::string& samples) {
+    const Outcome run = stbvh_ab(command + samples);
+    EXPECT_EQ(run.exit_code, 0) << run.out;
+    return run.out;
+  };
+  EXPECT_EQ(made("2").find("finished before"), std::string::npos);
+  const std::string bytes = read_file(folder / "a.exr");
+  EXPECT_NE(made("2").find("finished before"), std::string::npos);
+  EXPECT_EQ(read_file(folder / "a.exr"), bytes);
+  EXPECT_NE(made("3").find("its spp was another"), std::string::npos);
+  EXPECT_NE(made("2").find("its spp was another"), std::string::npos);
+  LayeredImage stopped = read_exr(folder / "a.exr");
+  for (auto& [name, value] : stopped.metadata) {
+    if (name == "complete") value = "no";
+  }
+  write_exr(stopped, folder / "a.exr");
+  EXPECT_NE(made("2").find("its complete was another"), std::string::npos);
+  fs::resize_file(folder / "a.exr", 1000);
+  EXPECT_NE(made("2").find("cannot be read"), std::string::npos);
+  EXPECT_EQ(metadata(folder / "a.exr")["complete"], "yes");
 }
 
 }  // namespace
