@@ -26,7 +26,7 @@ struct Strip {
 struct RenderSettings {
   std::size_t width = 960;
   std::size_t height = 540;
-  Strip strip;  ///< what is rendered of it
+  Strip strip{};  ///< what is rendered of it
   std::size_t samples_per_pixel = 64;
   std::uint64_t seed = 1;
   std::optional<Camera> camera{};  ///< empty: the scene's own, which also places a sun that no scene brings
