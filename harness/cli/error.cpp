@@ -59,15 +59,19 @@ ErrorResult to_result(const Scene& scene, const std::string& structure, const Ra
           .is_any_hit = rays.any_hit()};
 }
 
-std::string describe_hit(bool is_hit, bool is_any_hit, double t, std::uint32_t mesh, std::uint32_t triangle) {
+std::string describe_hit(const Scene& scene, bool is_hit, bool is_any_hit, double t, std::uint32_t mesh,
+                         std::uint32_t triangle) {
   if (!is_hit) return "nothing";
   if (is_any_hit) return "something";
-  return fmt::format("triangle {} of mesh {} at t = {:.9g}", triangle, mesh, t);
+  const bool has_faces = mesh < scene.meshes.size() && !scene.meshes[mesh].faces.empty();
+  return fmt::format("triangle {}{} of mesh {} at t = {:.9g}", triangle,
+                     has_faces ? fmt::format(" (face {})", scene.meshes[mesh].face_of(triangle)) : "", mesh,
+                     t);
 }
 
 /// A ray that a structure and the oracle answer differently, so that it can be traced again.
-std::string describe(const std::string& structure, const JudgedRays& set, const Difference& difference,
-                     const HitRecord& hit) {
+std::string describe(const Scene& scene, const std::string& structure, const JudgedRays& set,
+                     const Difference& difference, const HitRecord& hit) {
   const Ray& r = set.rays.rays[difference.ray];
   const OracleAnswer& exact = set.answers[difference.ray];
   const bool any = set.rays.any_hit();
@@ -76,8 +80,9 @@ std::string describe(const std::string& structure, const JudgedRays& set, const 
       "the oracle {}; an edge is {:.2g} ulps away\n",
       structure, ray_kind_name(set.rays.kind), difference.ray, verdict_name(difference.verdict), r.origin.x,
       r.origin.y, r.origin.z, r.direction.x, r.direction.y, r.direction.z, r.time,
-      describe_hit(hit.is_hit(), any, hit.t, hit.geom_id, hit.prim_id),
-      describe_hit(exact.is_hit, any, exact.t, exact.geom_id, exact.prim_id), exact.edge_distance_ulps);
+      describe_hit(scene, hit.is_hit(), any, hit.t, hit.geom_id, hit.prim_id),
+      describe_hit(scene, exact.is_hit, any, exact.t, exact.geom_id, exact.prim_id),
+      exact.edge_distance_ulps);
 }
 
 /// Adds the figures of one scene to `report`; returns their tables.
