@@ -111,7 +111,7 @@ std::string run_scene(const Scene& scene, const ErrorOptions& options, PinnedThr
       results.push_back(to_result(scene, name, set.rays, counts));
       for (std::size_t i = 0; i < std::min(counts.differences.size(), kPrintedDifferences); ++i) {
         const Difference& d = counts.differences[i];
-        differences += describe(name, set, d, hits[d.ray]);
+        differences += describe(scene, name, set, d, hits[d.ray]);
       }
     }
   }

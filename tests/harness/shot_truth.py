@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""How far what read_shot.py handed over is from usd-core's own evaluation at 50 times, of the diagonal.
+"""How far what read_shot.py handed over is from what the libraries say, of the diagonal: usd-core evaluates at 50 times,
+alembic3d has samples.
 
 Usage: shot_truth.py FILE HANDOVER, with the Python of the shots. Prints the share, and how many meshes were compared.
 It finds its way through the stage by the names of the meshes, and shares no code with the reader.
@@ -67,7 +68,48 @@ def true_points(stage, name, time):
     return np.array([list(matrix.Transform(Gf.Vec3d(*point))) for point in points])
 
 
+class Archive:
+    """At the samples of its points and transforms, which have the same times."""
+
+    def __init__(self, file):
+        from alembic3d import Abc, AbcGeom
+        self.archive, self.at, self.geom = Abc.IArchive(file), Abc.ISampleSelector, AbcGeom
+        self.wrap = Abc.WrapExistingFlag.kWrapExisting
+        self.begin, self.end = Abc.GetArchiveStartAndEndTime(self.archive)
+
+    def points(self, name, time):
+        found, matrix = self.archive.getTop(), np.eye(4)
+        for part in name.strip("/").split("/"):
+            found = found.getChild(part)
+            if self.geom.IXform.matches(found.getHeader()):
+                local = self.geom.IXform(found, self.wrap).getSchema().getValue(self.at(time)).getMatrix()
+                matrix = np.array([list(row) for row in local]) @ matrix
+        points = np.array(self.geom.IPolyMesh(found, self.wrap).getSchema().getValue(self.at(time)).getPositions(), float)
+        return points @ matrix[:3, :3] + matrix[3, :3]
+
+    def sample_times(self):
+        count = max(self.archive.getMaxNumSamplesForTimeSamplingIndex(i) for i in range(self.archive.getNumTimeSamplings()))
+        sampling = self.archive.getTimeSampling(self.archive.getNumTimeSamplings() - 1)
+        return [sampling.getSampleTime(i) for i in range(count)]
+
+
+def alembic_main():
+    archive = Archive(sys.argv[1])
+    worst, low, high, records = 0.0, np.full(3, np.inf), np.full(3, -np.inf), list(map(read_mesh, mesh_records(sys.argv[2])))
+    for time in archive.sample_times():
+        length = archive.end - archive.begin
+        for name, times, steps in records:
+            truth = archive.points(name, time)
+            ray_time = min(float(np.float32((time - archive.begin) / length)), 1.0) if length > 0 else 0.0
+            worst = max(worst, np.linalg.norm(handed_over(times, steps, ray_time) - truth, axis=1).max())
+            low, high = np.minimum(low, truth.min(axis=0)), np.maximum(high, truth.max(axis=0))
+    print(worst / np.linalg.norm(high - low), len(records))
+
+
 def main():
+    if sys.argv[1].endswith(".abc"):
+        alembic_main()
+        return
     stage = Usd.Stage.Open(sys.argv[1])
     stage.SetEditTarget(stage.GetSessionLayer())
     for prim in list(stage.Traverse()):

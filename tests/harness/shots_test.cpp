@@ -98,12 +98,10 @@ TEST_F(ShotsTest, PositionsAreThoseOfUsdCore) {
     expect_true_positions(python_, folder, data(fmt::format("{}.usda", name)));
 }
 
-TEST_F(ShotsTest, PositionsOfOthersFilesAreThoseOfUsdCore) {
+TEST_F(ShotsTest, PositionsOfOthersFilesAreThoseOfTheLibraries) {
   const fs::path shots = shared_shots();
   if (shots.empty()) GTEST_SKIP() << "../shared is not there";
-  for (const fs::path& file : files_in(shots)) {
-    if (file.extension() != ".abc") expect_true_positions(python_, folder, file);
-  }
+  for (const fs::path& file : files_in(shots)) expect_true_positions(python_, folder, file);
 }
 
 TEST_F(ShotsTest, StepsAreTheFilesOwnAndUneven) {

@@ -16,20 +16,25 @@ NOT_SHOWN = "left out, as only meshes are read"
 KEPT_SAMPLES = 4
 
 
+def sample_at(sampling, index):
+    """Selects a sample by its time: alembic3d takes a whole number for a time, too."""
+    return Abc.ISampleSelector(float(sampling.getSampleTime(index)))
+
+
 class Samples:
     """The values of an array property and their times."""
 
     def __init__(self, prop, shape=(-1,)):
         self.prop, self.shape = prop, shape
         self.count = prop.getNumSamples() if prop.valid() else 0
-        sampling = prop.getTimeSampling() if self.count else None
-        self.times = np.array([sampling.getSampleTime(i) for i in range(self.count)])
+        self.sampling = prop.getTimeSampling() if self.count else None
+        self.times = np.array([self.sampling.getSampleTime(i) for i in range(self.count)])
         if np.any(np.diff(self.times) <= 0) or not np.all(np.isfinite(self.times)):
             raise ShotProblem("has samples whose times do not go up")
         self.value = functools.lru_cache(KEPT_SAMPLES)(self._value)
 
     def _value(self, index):
-        return np.array(self.prop.getValue(Abc.ISampleSelector(int(index)))).reshape(self.shape)
+        return np.array(self.prop.getValue(sample_at(self.sampling, int(index)))).reshape(self.shape)
 
     def before(self, time):
         """Number of the last sample that is not later than `time`, or of the first."""
@@ -55,7 +60,7 @@ class Transform:
         self.times = np.array([sampling.getSampleTime(i) for i in range(count)])
         if np.any(np.diff(self.times) <= 0):
             raise ShotProblem("has samples whose times do not go up")
-        values = [schema.getValue(Abc.ISampleSelector(i)) for i in range(count)]
+        values = [schema.getValue(sample_at(sampling, i)) for i in range(count)]
         self.inherits = all(value.getInheritsXforms() for value in values)
         self.matrices = np.array([[list(row) for row in value.getMatrix()] for value in values])
 
@@ -115,7 +120,7 @@ class MeshItem(shot_writer.Item):
         return shot_writer.GREY
 
     def times(self):
-        own = {float(time) for time in self.points.times} if self.points.count > 1 else set()
+        own = {float(time) for time in self.points.times} if self.points.count > 1 or self.has_velocities else set()
         return own | self.place.times()
 
     def change_times(self):
@@ -140,7 +145,7 @@ class MeshItem(shot_writer.Item):
                 schema.getCreaseLengthsProperty(), schema.getCreaseIndicesProperty(), schema.getCreaseSharpnessesProperty(),
                 schema.getCornerIndicesProperty(), schema.getCornerSharpnessesProperty(), schema.getHolesProperty()))
         boundary = schema.getInterpolateBoundaryProperty()
-        value = boundary.getValue(Abc.ISampleSelector(0)) if boundary.valid() and boundary.getNumSamples() else 0
+        value = boundary.getValue(Abc.ISampleSelector()) if boundary.valid() and boundary.getNumSamples() else 0
         return {"scheme": CATMULL_CLARK, "boundary": BOUNDARIES.get(value, EDGES_AND_CORNERS),
                 "creases": chains(lengths.astype(int), edges, sharpness),
                 "sharp": (corners, corner_sharpness), "holes": holes}

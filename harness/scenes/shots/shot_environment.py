@@ -51,7 +51,7 @@ def make(target):
         for number, package in enumerate(PACKAGES, 1):
             print(f"stbvh-ab: {package}, {number} of {len(PACKAGES)}", file=sys.stderr, flush=True)
             run([str(partial / "bin/python"), "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-input",
-                 "--no-deps", "--no-cache-dir", "--only-binary", ":all:", "--retries", "1", "--timeout", "20", package],
+                 "--no-deps", "--only-binary", ":all:", "--retries", "1", "--timeout", "20", package],
                 f"reading shots needs {NAMES}, and pip cannot install {package} (is there a network?)")
         os.rename(partial, target)
     finally:
