@@ -61,7 +61,7 @@ def checked_positions(item, count):
     return positions
 
 
-def diagonal(notes, items, shutter):
+def diagonal(items, shutter):
     """Of what is seen as the shutter opens, in its middle and as it closes; less than that of all times."""
     low, high = np.full(3, np.inf), np.full(3, -np.inf)
 
@@ -83,7 +83,7 @@ def diagonal(notes, items, shutter):
 def write_items(out, notes, items, shutter, share):
     if len(items) > MOST_MESHES:
         raise ShotProblem(f"has {len(items)} meshes and instances, more than {MOST_MESHES}")
-    tolerance = share * diagonal(notes, items, shutter)
+    tolerance = share * diagonal(items, shutter)
 
     def write(item):
         deviation = 0.0

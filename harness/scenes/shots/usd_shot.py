@@ -154,8 +154,10 @@ class MeshItem(shot_writer.Item):
         mesh = self.mesh
         self.topology_times = {time for attribute in (mesh.GetFaceVertexCountsAttr(), mesh.GetFaceVertexIndicesAttr(),
                                                       mesh.GetHoleIndicesAttr()) for time in attribute_times(attribute)}
-        self.point_times = set(attribute_times(mesh.GetPointsAttr()))
         self.has_velocities = mesh.GetVelocitiesAttr().HasAuthoredValue()
+        # With velocities a single sample moves too.
+        self.point_times = set(mesh.GetPointsAttr().GetTimeSamples() if self.has_velocities
+                               else attribute_times(mesh.GetPointsAttr()))
         self.moves_without_velocities = bool(self.topology_times) and not self.has_velocities
         self.matrix_times = frame.times(prim)
         self.still_matrix = None if self.matrix_times else frame.matrix(prim, 0.0)
@@ -254,13 +256,13 @@ class Stage:
                 for prototype in instances.prototypes_of(number):
                     self.visit(instances.prototypes[prototype], Instance(instances, number, prototype),
                                f"{name}{path}[{number}]", (*instancers, path))
-        except (Tf.ErrorException, RuntimeError, TypeError, ValueError) as error:
+        except (ShotProblem, Tf.ErrorException, RuntimeError, TypeError, ValueError) as error:
             self.notes.add(f"left out ({' '.join(str(error).split())[:200]})", name + str(path))
 
     def _add_mesh(self, prim, frame, name):
         try:
             self.items.append(MeshItem(prim, frame, name + str(prim.GetPath()), lambda: self._material(prim)))
-        except (Tf.ErrorException, RuntimeError, TypeError, ValueError) as error:
+        except (ShotProblem, Tf.ErrorException, RuntimeError, TypeError, ValueError) as error:
             self.notes.add(f"left out ({' '.join(str(error).split())[:200]})", name + str(prim.GetPath()))
 
     def _material(self, prim):
