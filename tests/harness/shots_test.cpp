@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/images/exr_file.h"
 #include "harness/program/shot_reader.h"
 #include "harness/scenes/shots/shot.h"
 #include "tests/harness/run_stbvh_ab.h"
@@ -144,6 +145,27 @@ TEST_F(ShotsTest, FacesKeepTheirNumbers) {
   EXPECT_EQ(std::ranges::count(scene.meshes, "/Axle/Plate", &Mesh::name), 2);  // it is hidden in between
   EXPECT_EQ(scene.camera_steps.size(), 129u);
   EXPECT_EQ(bar->material.color.x, 0.8f);
+}
+
+TEST_F(ShotsTest, PicturesHaveTheFilesFaces) {
+  const Outcome run =
+      stbvh_ab(fmt::format("render --scenes {} --structures stbvh-direct --size 64x36 --spp 1 -o {}",
+                           data("turning_bar.usda").string(), at("bar.exr")));
+  ASSERT_EQ(run.exit_code, 0) << run.out;
+  const Scene scene = load(data("turning_bar.usda"));
+  const LayeredImage image = read_exr(at("bar.exr"));
+  ASSERT_EQ(image.id_channels.size(), 3u);
+  const auto values = [&](const std::string& name) {
+    return std::ranges::find(image.id_channels, name, &IdChannel::name)->values;
+  };
+  const auto meshes = values("mesh.id"), triangles = values("primitive.id"), faces = values("face.id");
+  std::size_t others = 0;
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    const bool is_hit = meshes[i] < scene.meshes.size();
+    EXPECT_EQ(faces[i], is_hit ? scene.meshes[meshes[i]].face_of(triangles[i]) : triangles[i]);
+    others += faces[i] != triangles[i] ? 1u : 0u;
+  }
+  EXPECT_GT(others, 0u);
 }
 
 /// What a closed mesh encloses, above 0 where its faces are wound counterclockwise seen from outside.
