@@ -52,7 +52,7 @@ set(CPACK_COMPONENT_PRELOAD_DESCRIPTION
 set(CPACK_DEBIAN_HARNESS_PACKAGE_NAME stbvh-harness)
 set(CPACK_DEBIAN_HARNESS_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_HARNESS_PACKAGE_DEPENDS python3)
-set(CPACK_DEBIAN_HARNESS_PACKAGE_RECOMMENDS python3-matplotlib)
+set(CPACK_DEBIAN_HARNESS_PACKAGE_RECOMMENDS "python3-matplotlib, python3-venv")
 set(CPACK_COMPONENT_HARNESS_DESCRIPTION
   "stbvh-ab compares structures for motion blur in speed, memory and error, and
  renders through them; stbvh-preview shows their pictures in a window.")

@@ -7,6 +7,7 @@ build_packages=(cmake ninja-build g++ git libembree-dev libtbb-dev libxxhash-dev
 test_packages=(libgtest-dev embree-tools pkgconf python3 xvfb libgl1-mesa-dri libx11-dev)
 processor_packages=(qemu-user)
 chart_packages=(python3-matplotlib)
+shot_packages=(python3-venv)
 rules_packages=(clang-format git python3)
 package_packages=(help2man dpkg-dev binutils file)
 fuzz_packages=(clang-14 libclang-rt-14-dev)

@@ -30,15 +30,19 @@ ErrorResult to_result(const Scene& scene, const std::string& structure, const Ra
           .is_any_hit = rays.any_hit()};
 }
 
-std::string describe_hit(bool is_hit, bool is_any_hit, double t, std::uint32_t mesh, std::uint32_t triangle) {
+std::string describe_hit(const Scene& scene, bool is_hit, bool is_any_hit, double t, std::uint32_t mesh,
+                         std::uint32_t triangle) {
   if (!is_hit) return "nothing";
   if (is_any_hit) return "something";
-  return fmt::format("triangle {} of mesh {} at t = {:.9g}", triangle, mesh, t);
+  const bool has_faces = mesh < scene.meshes.size() && !scene.meshes[mesh].faces.empty();
+  return fmt::format("triangle {}{} of mesh {} at t = {:.9g}", triangle,
+                     has_faces ? fmt::format(" (face {})", scene.meshes[mesh].face_of(triangle)) : "", mesh,
+                     t);
 }
 
 /// A ray that a structure and the oracle answer differently, so that it can be traced again.
-std::string describe(const std::string& structure, const RaySet& rays, const OracleAnswer& exact,
-                     const Difference& difference, const HitRecord& hit) {
+std::string describe(const Scene& scene, const std::string& structure, const RaySet& rays,
+                     const OracleAnswer& exact, const Difference& difference, const HitRecord& hit) {
   const Ray& r = rays.rays[difference.ray];
   const bool any = rays.any_hit();
   return fmt::format(
@@ -46,8 +50,9 @@ std::string describe(const std::string& structure, const RaySet& rays, const Ora
       "the oracle {}; an edge is {:.2g} ulps away\n",
       structure, ray_kind_name(rays.kind), difference.ray, verdict_name(difference.verdict), r.origin.x,
       r.origin.y, r.origin.z, r.direction.x, r.direction.y, r.direction.z, r.time,
-      describe_hit(hit.is_hit(), any, hit.t, hit.geom_id, hit.prim_id),
-      describe_hit(exact.is_hit, any, exact.t, exact.geom_id, exact.prim_id), exact.edge_distance_ulps);
+      describe_hit(scene, hit.is_hit(), any, hit.t, hit.geom_id, hit.prim_id),
+      describe_hit(scene, exact.is_hit, any, exact.t, exact.geom_id, exact.prim_id),
+      exact.edge_distance_ulps);
 }
 
 }  // namespace
@@ -71,7 +76,7 @@ std::vector<ErrorResult> JudgedRays::judge(const std::string& name, const Struct
     results.push_back(to_result(scene_, name, sets_[s], counts));
     for (std::size_t i = 0; i < std::min(counts.differences.size(), kPrintedDifferences); ++i) {
       const Difference& d = counts.differences[i];
-      differences += describe(name, sets_[s], answers_[s][d.ray], d, hits[d.ray]);
+      differences += describe(scene_, name, sets_[s], answers_[s][d.ray], d, hits[d.ray]);
     }
   }
   return results;

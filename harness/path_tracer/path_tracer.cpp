@@ -185,6 +185,7 @@ FirstHit PathTracer::first_hit(const Hit& hit, const Surface& surface, const Ray
   first.depth = static_cast<double>(hit.t) * length(direction);
   first.mesh = hit.mesh;
   first.prim = hit.prim_id;
+  first.face = mesh.face_of(hit.prim_id);
   if (length(normal) > 0) first.normal = normalize(dot(normal, direction) > 0 ? -normal : normal);
   if (mesh.is_static() && !camera_moves_) return first;
   const auto place_at = [&](double time) {

@@ -27,6 +27,7 @@ struct FirstHit {
   double motion_y = 0;
   std::uint32_t mesh = kInvalidId;
   std::uint32_t prim = kInvalidId;
+  std::uint32_t face = kInvalidId;  ///< of the file: Mesh::face_of()
 };
 
 struct PathSample {

@@ -11,7 +11,7 @@ constexpr std::array kLayers{"R",        "G",        "B",        "variance.R", "
                              "albedo.R", "albedo.G", "albedo.B", "normal.X",   "normal.Y",   "normal.Z",
                              "depth.Z",  "time.T",   "motion.X", "motion.Y"};
 constexpr std::array kCounterLayers{"nodes.N", "triangles.N"};
-constexpr std::array kIdLayers{"mesh.id", "primitive.id"};
+constexpr std::array kIdLayers{"mesh.id", "primitive.id", "face.id"};
 
 }  // namespace
 
@@ -22,6 +22,7 @@ void PixelSums::add(const PathSample& sample) {
   if (count_ == 0) {
     mesh_ = sample.first.mesh;
     prim_ = sample.first.prim;
+    face_ = sample.first.face;
   }
   count_ += 1;
   const Color before = radiance - mean_;  // Welford 1962: no difference of large squares
@@ -66,6 +67,7 @@ void PixelSums::store(LayeredImage& image, std::size_t pixel) const {
   }
   image.id_channels[0].values[pixel] = mesh_;
   image.id_channels[1].values[pixel] = prim_;
+  image.id_channels[2].values[pixel] = face_;
 }
 
 LayeredImage empty_layers(std::size_t width, std::size_t height, bool with_counters) {

@@ -34,7 +34,7 @@ class PixelSums {
   Vec3 normal_;
   double depth_ = 0, time_ = 0, motion_x_ = 0, motion_y_ = 0;
   TraversalCounters counters_;
-  std::uint32_t mesh_ = kInvalidId, prim_ = kInvalidId;
+  std::uint32_t mesh_ = kInvalidId, prim_ = kInvalidId, face_ = kInvalidId;
   std::uint64_t rays_ = 0, not_finite_ = 0;
 };
 

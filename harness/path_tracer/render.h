@@ -14,10 +14,10 @@ namespace stbvh::harness {
 struct Rendering {
   /// R, G, B: linear radiance; variance.R/G/B: of their means; of what the camera's rays hit, means over the
   /// samples: albedo.R/G/B and normal.X/Y/Z (0 for misses), depth.Z, time.T and motion.X/Y over those that
-  /// hit (0 where none does; motion: pixels from the shutter's opening to its closing); mesh.id and
-  /// primitive.id of the first sample (kInvalidId: nothing). nodes.N and triangles.N: what the camera's rays
-  /// met in the tree, means, only from structures that count. Tiles that are not finished are black.
-  /// Of a strip, the rows that it has, with the whole picture as display window.
+  /// hit (0 where none does; motion: pixels from the shutter's opening to its closing); mesh.id,
+  /// primitive.id and face.id of the first sample (kInvalidId: nothing). nodes.N and triangles.N: what the
+  /// camera's rays met in the tree, means, only from structures that count. Tiles that are not finished are
+  /// black. Of a strip, the rows that it has, with the whole picture as display window.
   LayeredImage image;
   std::uint64_t rays = 0;        ///< of all kinds
   std::uint64_t not_finite = 0;  ///< samples left out because their radiance was NaN or infinite: an error

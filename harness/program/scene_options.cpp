@@ -157,7 +157,7 @@ void add_making_options(CLI::App& app, MakingOptions& m) {
                  "glTF: name or number of the scene. Default: the file's own, or the first with a mesh");
   app.add_option_function<std::string>(
       "--shutter", [&m](const auto& text) { m.gltf.shutter_seconds = shutter(text); },
-      "glTF: A,B, the part of the clip in seconds. Default: all of it");
+      "glTF, USD, Alembic: A,B, the part of the clip in seconds. Default: all of it");
   app.add_option_function<std::string>(
          "--shutter-mode", [&m](const auto& name) { m.gltf.shutter_mode = shutter_mode(name); },
          "glTF: where the shutter is longer than the clip: clamp (its ends are held) or loop (it is "
@@ -167,7 +167,8 @@ void add_making_options(CLI::App& app, MakingOptions& m) {
          "--steps", [&m](const auto& steps) { set_steps(steps, m.gltf); },
          "glTF: steps of each moving mesh; auto:E, for each mesh as few as keep it within E times "
          "the diagonal of its true motion, as in auto:1e-3; or keys, those of the file, with more between "
-         "them where motion is curved: within 1e-5 of the diagonal, or within E with keys:E")
+         "them where motion is curved: within 1e-5 of the diagonal, or within E with keys:E. USD and Alembic "
+         "are read with keys:1e-6, or keys:E")
       ->default_str(std::to_string(m.gltf.steps));
   add_number_option(
       app, "--step", m.obj_step, kLargestObjStep,
@@ -182,9 +183,9 @@ void add_scene_options(CLI::App& app, SceneOptions& s) {
   const std::size_t first = app.get_options().size();
   app.add_option_function<std::vector<std::string>>(
          "--scenes", [&s](const auto& asked) { s.scenes = named_scenes(asked); },
-         "Names of built-in scenes (see list), paper (its six), all, .glb, .gltf, .xml (Embree's), .ecs and "
-         ".stbvh "
-         "files, or .obj files (one for each step: walk_%04d.obj, or a folder); separated by commas")
+         "Names of built-in scenes (see list), paper (its six), all, .glb, .gltf, .usd, .usda, .usdc, .usdz, "
+         ".abc, .xml (Embree's), .ecs and .stbvh files, or .obj files (one for each step: walk_%04d.obj, or "
+         "a folder); separated by commas")
       ->delimiter(',')
       ->default_str("[paper]");
   add_making_options(app, s);

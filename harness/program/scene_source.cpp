@@ -10,6 +10,7 @@
 
 #include "harness/program/closest_name.h"
 #include "harness/program/program.h"
+#include "harness/program/shot_reader.h"
 #include "harness/program/usage_error.h"
 #include "harness/scenes/embree_xml/embree_xml.h"
 #include "harness/scenes/obj/obj.h"
@@ -17,6 +18,7 @@
 #include "harness/scenes/procedural/procedural.h"
 #include "harness/scenes/resampled.h"
 #include "harness/scenes/saved/saved_scene.h"
+#include "harness/scenes/shots/shot.h"
 #include "harness/scenes/vec3.h"
 #include "harness/structures/structure_under_test.h"
 
@@ -65,6 +67,16 @@ SceneSource obj_source(const std::string& name, std::size_t number_step) {
   return {scene_name, [=] { return checked(load_obj(name, print_warning, number_step), scene_name); }};
 }
 
+SceneSource shot_source(const std::string& name, const GltfOptions& options) {
+  check_reachable(name);
+  const std::string stem = std::filesystem::path(name).stem().string();
+  ShotOptions shot;
+  if (options.shutter_seconds)
+    shot.shutter_seconds = {options.shutter_seconds->begin, options.shutter_seconds->end};
+  if (options.at_keys && options.largest_deviation) shot.largest_deviation = *options.largest_deviation;
+  return {stem, [=] { return checked(read_shot(name, shot, print_warning), stem); }};
+}
+
 SceneSource built_in_source(const std::string& name, const MakingOptions& options) {
   const ProceduralScene* scene = find_procedural_scene(name);
   if (scene == nullptr) {
@@ -78,6 +90,7 @@ SceneSource built_in_source(const std::string& name, const MakingOptions& option
 
 SceneSource find_source(const std::string& name, const MakingOptions& making) {
   if (find_procedural_scene(name) == nullptr && is_obj_name(name)) return obj_source(name, making.obj_step);
+  if (is_shot_name(name)) return shot_source(name, making.gltf);
   return is_file_name(name) ? file_source(name, making.gltf) : built_in_source(name, making);
 }
 

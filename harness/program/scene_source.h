@@ -17,8 +17,8 @@ struct SceneSource {
   std::function<Scene()> load;  ///< throws UsageError or SceneFileError
 };
 
-/// Throws UsageError for a name that is neither a built-in scene nor a .glb, .gltf, .xml, .ecs or .stbvh file
-/// that exists, and SceneFileError for OBJ files that make no sequence.
+/// Throws UsageError for a name that is neither a built-in scene nor a .glb, .gltf, .xml, .ecs or .stbvh
+/// file, no USD or Alembic file that exists, and SceneFileError for OBJ files that make no sequence.
 SceneSource find_scene(const std::string& name, const MakingOptions& making);
 
 /// All scenes of `options`, likewise.

@@ -18,21 +18,22 @@ namespace {
 namespace fs = std::filesystem;
 
 /// From the folder of the program: where scripts lie when it is installed, and in the build.
-constexpr const char* kScriptFolders[] = {STBVH_DATA_FOLDER "/stbvh/report", "report"};
+constexpr const char* kScriptFolders[] = {STBVH_DATA_FOLDER "/stbvh", "."};
 
-std::string find_script(const std::string& name) {
+std::string find_script(const std::string& own_folder, const std::string& name) {
   const fs::path program_folder = fs::read_symlink("/proc/self/exe").parent_path();
   for (const char* folder : kScriptFolders) {
-    const fs::path script = (program_folder / folder / name).lexically_normal();
+    const fs::path script = (program_folder / folder / own_folder / name).lexically_normal();
     std::error_code ignored;
     if (fs::exists(script, ignored)) return script.string();
   }
-  throw std::runtime_error(fmt::format("{} is not there: it belongs into {}.", name,
-                                       (program_folder / kScriptFolders[0]).lexically_normal().string()));
+  throw std::runtime_error(
+      fmt::format("{} is not there: it belongs into {}.", name,
+                  (program_folder / kScriptFolders[0] / own_folder).lexically_normal().string()));
 }
 
-/// Ctrl-C waits until the script takes it, in record_files.py: while Python starts, it would print where it
-/// was.
+/// Ctrl-C waits until the script takes it, in record_files.py or read_shot.py: while Python starts, it would
+/// print where it was.
 int spawn(pid_t& child, const std::vector<char*>& argv) {
   posix_spawnattr_t attributes;
   sigset_t blocked;
@@ -48,9 +49,10 @@ int spawn(pid_t& child, const std::vector<char*>& argv) {
 
 }  // namespace
 
-void run_script(const std::string& name, const std::vector<std::string>& arguments) {
+ScriptEnd run_python(const std::string& folder, const std::string& name,
+                     const std::vector<std::string>& arguments) {
   // -B: no compiled files beside the sources.
-  std::vector<std::string> words{"/usr/bin/python3", "-B", find_script(name)};
+  std::vector<std::string> words{"/usr/bin/python3", "-B", find_script(folder, name)};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -60,9 +62,15 @@ void run_script(const std::string& name, const std::vector<std::string>& argumen
   int status = 0;
   if (spawn(child, argv) != 0 || waitpid(child, &status, 0) != child)
     throw std::runtime_error(fmt::format("{} could not be run with {}.", name, words.front()));
-  if (WIFSIGNALED(status))
-    throw std::runtime_error(fmt::format("{} was ended by a signal: {}.", name, strsignal(WTERMSIG(status))));
-  if (WEXITSTATUS(status) != 0) throw ScriptFailure{WEXITSTATUS(status)};
+  if (WIFSIGNALED(status)) return {.exit_code = 0, .signal = WTERMSIG(status)};
+  return {.exit_code = WEXITSTATUS(status), .signal = 0};
+}
+
+void run_script(const std::string& name, const std::vector<std::string>& arguments) {
+  const ScriptEnd end = run_python("report", name, arguments);
+  if (end.signal != 0)
+    throw std::runtime_error(fmt::format("{} was ended by a signal: {}.", name, strsignal(end.signal)));
+  if (end.exit_code != 0) throw ScriptFailure{end.exit_code};
 }
 
 }  // namespace stbvh::harness

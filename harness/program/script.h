@@ -1,4 +1,4 @@
-/// The Python scripts that draw records.
+/// The Python scripts that draw records and read shots.
 #pragma once
 
 #include <string>
@@ -11,6 +11,17 @@ namespace stbvh::harness {
 struct ScriptFailure {
   int exit_code;
 };
+
+/// How a script ended.
+struct ScriptEnd {
+  int exit_code = 0;
+  int signal = 0;  ///< that ended it; 0: none did
+};
+
+/// Runs the script `name`, of this folder beside the program or in the data folder, with Debian's Python, and
+/// waits. It inherits what is open. Throws std::runtime_error if there is no Python or no script.
+ScriptEnd run_python(const std::string& folder, const std::string& name,
+                     const std::vector<std::string>& arguments);
 
 /// Runs harness/report/`name` with Debian's Python, for which Debian's matplotlib is made, and waits. Throws
 /// ScriptFailure; std::runtime_error if there is no Python or a signal ended it.

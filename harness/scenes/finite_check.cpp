@@ -48,12 +48,15 @@ void keep_valid(Mesh& mesh) {
     }
     step = std::move(kept);
   }
-  std::vector<std::uint32_t> indices;
+  std::vector<std::uint32_t> indices, faces;
   for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
     const std::uint32_t a = numbers[mesh.indices[i]], b = numbers[mesh.indices[i + 1]],
                         c = numbers[mesh.indices[i + 2]];
-    if (a != kLeftOut && b != kLeftOut && c != kLeftOut) indices.insert(indices.end(), {a, b, c});
+    if (a == kLeftOut || b == kLeftOut || c == kLeftOut) continue;
+    indices.insert(indices.end(), {a, b, c});
+    faces.push_back(mesh.face_of(static_cast<std::uint32_t>(i / 3)));
   }
+  mesh.faces = std::move(faces);
   mesh.indices = std::move(indices);
 }
 

@@ -65,8 +65,11 @@ inline constexpr std::size_t kMaxSceneSteps = 129;
 struct Mesh {
   std::string name;
   std::vector<std::uint32_t> indices;  ///< 3 for each triangle
-  std::vector<VertexBuffer> steps;     ///< 1 (static) to kMaxSteps, all of the same size
-  TimeRange time_range;                ///< in ray time, default [0, 1]; steps are equidistant over it
+  /// Of each triangle its face in the file, which polygons and cages have; empty: the triangles are the
+  /// faces.
+  std::vector<std::uint32_t> faces;
+  std::vector<VertexBuffer> steps;  ///< 1 (static) to kMaxSteps, all of the same size
+  TimeRange time_range;             ///< in ray time, default [0, 1]; steps are equidistant over it
   /// Of each step in ray time, instead of `time_range`, which is not looked at then: strictly increasing,
   /// each 0 or a normal float, as far apart as MeshView asks for. Empty: equidistant, or static.
   std::vector<float> step_times;
@@ -76,6 +79,9 @@ struct Mesh {
   std::size_t triangle_count() const { return indices.size() / 3; }
   std::size_t segment_count() const { return steps.empty() ? 0 : steps.size() - 1; }
   bool is_static() const { return steps.size() <= 1; }
+  std::uint32_t face_of(std::uint32_t triangle) const {
+    return triangle < faces.size() ? faces[triangle] : triangle;
+  }
   bool has_step_times() const { return !step_times.empty(); }
   /// From the first step to the last. A mesh that moves is there only then.
   TimeRange motion_range() const;

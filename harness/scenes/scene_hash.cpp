@@ -59,6 +59,8 @@ std::string scene_hash(const Scene& scene) {
   for (const Mesh& mesh : scene.meshes) {
     hash.add(std::uint64_t{mesh.mask});
     hash.add(mesh.material);
+    hash.add(std::uint64_t{mesh.faces.size()});
+    for (const std::uint32_t face : mesh.faces) hash.add(std::uint64_t{face});
   }
   hash.add(scene.camera);
   hash.add(std::uint64_t{scene.camera_steps.size()});

@@ -269,6 +269,7 @@ TEST_F(ObjScene, TrianglesThatAreNotFiniteAreLeftOutAndCounted) {
     const Scene scene = load("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 " + std::string(bad) + "\nf 1 2 3\nf 2 4 3\n");
     ASSERT_EQ(scene.meshes.size(), 1u) << bad;
     EXPECT_EQ(scene.meshes[0].indices, (Indices{0, 1, 2})) << bad;
+    EXPECT_EQ(scene.meshes[0].faces, (Indices{0})) << bad;
     EXPECT_LT(scene.bounds().upper.z, 1) << bad;
     ASSERT_EQ(said.size(), 1u) << bad;
     EXPECT_TRUE(said[0].starts_with(at("file.obj"))) << said[0];
@@ -291,6 +292,7 @@ TEST_F(ObjScene, ConcaveFacesAreCoveredOnce) {
     area += doubled / 2;
   }
   EXPECT_EQ(area, 6);
+  EXPECT_EQ(scene.meshes[0].faces, (Indices{0, 0, 0, 0, 1, 1, 1, 1}));
 }
 
 TEST_F(ObjScene, FacesOfMoreThanOneMeaningAreTold) {

@@ -35,7 +35,7 @@ TEST_F(RenderCommand, WritesLayersAndMetadata) {
                            "variance.B", "nodes.N", "triangles.N"}) {
     EXPECT_NE(image.find(name), nullptr) << name;
   }
-  EXPECT_EQ(image.id_channels.size(), 2u);
+  EXPECT_EQ(image.id_channels.size(), 3u);
   auto of = metadata(folder / "a.exr");
   EXPECT_EQ(of["scene"], "wheels");
   EXPECT_EQ(of["structure"], "stbvh-direct");

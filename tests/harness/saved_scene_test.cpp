@@ -28,6 +28,7 @@ Scene scene_with_everything() {
   scene.meshes[0].name = "first";
   scene.meshes[0].material = {Material::Kind::kGlass, {0.1f, 0.2f, 0.3f}, 0.4f, 1.7f, {1, 2, 3}};
   scene.meshes[1].mask = 6;
+  for (std::uint32_t t = 0; t < scene.meshes[1].triangle_count(); ++t) scene.meshes[1].faces.push_back(t / 2);
   scene.meshes[2].step_times = {0.0f, 0.1f, 1.0f};
   scene.camera = {{1, 2, 3}, {4, 5, 6}, {0, 0, 1}, 33};
   scene.camera_steps = {scene.camera, {{7, 8, 9}, {4, 5, 6}, {0, 1, 0}, 44}};
@@ -49,6 +50,7 @@ TEST(SavedScene, IsWhatItWas) {
   ASSERT_EQ(again.meshes.size(), scene.meshes.size());
   for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
     EXPECT_EQ(again.meshes[i].indices, scene.meshes[i].indices);
+    EXPECT_EQ(again.meshes[i].faces, scene.meshes[i].faces);
     EXPECT_EQ(again.meshes[i].mask, scene.meshes[i].mask);
     EXPECT_EQ(again.meshes[i].step_times, scene.meshes[i].step_times);
     EXPECT_EQ(again.meshes[i].steps.size(), scene.meshes[i].steps.size());

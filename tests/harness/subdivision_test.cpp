@@ -351,6 +351,22 @@ TEST(Subdivision, BadCagesAreRefused) {
   EXPECT_NE(refusal(grid(20, Boundary::kEdgeOnly), {10, {}}).find("at level 10"), std::string::npos);
 }
 
+TEST(Subdivision, LoopSurfacesAndTheFacesThatTrianglesComeOf) {
+  SubdivisionCage cage;
+  cage.scheme = SubdivisionCage::Scheme::kLoop;
+  cage.face_sizes = {3, 3, 3, 3};
+  cage.face_vertices = {0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3};
+  cage.steps = {buffer_of({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}})};
+  const Mesh mesh = refine(cage, {2, {}});
+  EXPECT_EQ(mesh.triangle_count(), 4u * 16);
+  for (std::uint32_t face = 0; face < 4; ++face) EXPECT_EQ(std::ranges::count(mesh.faces, face), 16);
+  // Loop 1987: where three edges meet, the limit is 2/5 of the vertex and 1/5 of each neighbour.
+  EXPECT_LT(distance_to_vertices(mesh, 0.2, 0.2, 0.2), 1e-6);
+  EXPECT_LT(distance_to_vertices(mesh, 0.4, 0.2, 0.2), 1e-6);
+  cage.face_sizes = {4, 4, 4};
+  EXPECT_THROW(refine(cage, {}), std::invalid_argument);
+}
+
 TEST(Subdivision, EdgesOfThreeFacesAreTakenAsSharp) {
   SubdivisionCage cage;
   cage.face_sizes = {3, 3, 3};

@@ -25,6 +25,7 @@
 #include "harness/scenes/gltf/size_check.h"
 #include "harness/scenes/gltf/surroundings.h"
 #include "harness/scenes/gltf/timeline.h"
+#include "harness/scenes/step_times.h"
 
 namespace stbvh::harness {
 namespace gltf {
@@ -246,16 +247,6 @@ double scene_diagonal(const std::vector<Part>& parts, const Timeline& timeline) 
 /// Ray times while a part is visible.
 TimeRange range_of(const Part& part) {
   return {static_cast<float>(part.begin), static_cast<float>(part.end)};
-}
-
-/// Within one float each.
-bool are_equidistant(const std::vector<float>& times) {
-  const double begin = times.front(), length = times.back() - begin;
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    const auto place = static_cast<float>(begin + length * step_fraction(i, times.size()));
-    if (std::nextafter(times[i], place) != place) return false;
-  }
-  return true;
 }
 
 /// Those that need more steps than there can be to stay within a share of the diagonal.

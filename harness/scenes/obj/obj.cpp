@@ -36,6 +36,7 @@ template <class... Args>
 struct Part {
   std::string material;
   std::vector<std::uint32_t> indices;   ///< of the file's vertices, 3 for each triangle
+  std::vector<std::uint32_t> faces;     ///< of the file, of each triangle
   std::vector<std::uint32_t> vertices;  ///< of the file, those of the mesh in its order
 };
 
@@ -50,6 +51,7 @@ class Triangulation {
       check_cancelled();
       for (; run != file.material_runs.end() && run->first_face == face; ++run) part = part_of(run->name);
       add_face(std::span(file.corners).subspan(first_corner, file.face_sizes[face]), parts_[part]);
+      parts_[part].faces.resize(parts_[part].indices.size() / 3, static_cast<std::uint32_t>(face));
       first_corner += file.face_sizes[face];
     }
     std::erase_if(parts_, [](const Part& p) { return p.indices.empty(); });
@@ -73,7 +75,7 @@ class Triangulation {
  private:
   std::size_t part_of(const std::string& material) {
     const auto [known, is_new] = part_of_material_.try_emplace(material, parts_.size());
-    if (is_new) parts_.push_back({material, {}, {}});
+    if (is_new) parts_.push_back({material, {}, {}, {}});
     return known->second;
   }
 
@@ -155,6 +157,7 @@ std::vector<Mesh> make_meshes(const std::vector<Part>& parts,
     Mesh& mesh = meshes.emplace_back();
     mesh.name = part.material.empty() || parts.size() == 1 ? otherwise : part.material;
     mesh.indices = part.indices;
+    mesh.faces = part.faces;
     const auto known = materials.find(part.material);
     if (known != materials.end()) {
       mesh.material = known->second;

@@ -25,7 +25,7 @@ using Json = nlohmann::json;
   throw SceneFileError(fmt::format("\"{}\" {}.", file.string(), problem));
 }
 
-// What a scene has beside its meshes' buffers: JSON, its length before it, pixels behind it
+// What a scene has beside its meshes' buffers: JSON, its length before it, faces and pixels behind it
 // ------------------------------------------------------
 
 Json to_json(const Vec3f& v) {
@@ -44,8 +44,8 @@ Camera to_camera(const Json& json) {
 
 Json to_json(const Mesh& mesh) {
   const Material& m = mesh.material;
-  return {mesh.name,   static_cast<int>(m.kind), to_json(m.color),
-          m.roughness, m.index_of_refraction,    to_json(m.emission)};
+  return {mesh.name,           static_cast<int>(m.kind), to_json(m.color), m.roughness, m.index_of_refraction,
+          to_json(m.emission), !mesh.faces.empty()};
 }
 void enter(const Json& json, Mesh& mesh) {
   mesh.name = json.at(0).get<std::string>();
@@ -53,6 +53,16 @@ void enter(const Json& json, Mesh& mesh) {
   if (kind < 0 || kind > static_cast<int>(Material::Kind::kGlass)) throw std::out_of_range("kind");
   mesh.material = {static_cast<Material::Kind>(kind), to_vector(json.at(2)), json.at(3).get<float>(),
                    json.at(4).get<float>(), to_vector(json.at(5))};
+}
+
+/// Takes the faces of `mesh` off the front of `bytes`, where it has any.
+void enter_faces(const Json& json, std::span<const std::byte>& bytes, Mesh& mesh) {
+  if (!json.at(6).get<bool>()) return;
+  const std::size_t size = mesh.triangle_count() * sizeof(std::uint32_t);
+  if (size > bytes.size()) throw std::out_of_range("faces");
+  mesh.faces.resize(mesh.triangle_count());
+  if (size > 0) std::memcpy(mesh.faces.data(), bytes.data(), size);
+  bytes = bytes.subspan(size);
 }
 
 std::string surroundings_of(const Scene& scene) {
@@ -81,6 +91,9 @@ std::string surroundings_of(const Scene& scene) {
   const std::uint64_t length = text.size();
   std::string result(reinterpret_cast<const char*>(&length), sizeof length);
   result += text;
+  for (const Mesh& mesh : scene.meshes)
+    result.append(reinterpret_cast<const char*>(mesh.faces.data()),
+                  mesh.faces.size() * sizeof(std::uint32_t));
   if (scene.environment) {
     const std::vector<Vec3f>& pixels = scene.environment->pixels;
     result.append(reinterpret_cast<const char*>(pixels.data()), pixels.size() * sizeof(Vec3f));
@@ -126,7 +139,11 @@ void enter_surroundings(std::span<const std::byte> bytes, Scene& scene) {
   if (json.contains("max_bytes")) scene.max_bytes = json.at("max_bytes").get<std::size_t>();
   const Json& meshes = json.at("meshes");
   if (meshes.size() != scene.meshes.size()) throw std::out_of_range("meshes");
-  for (std::size_t i = 0; i < scene.meshes.size(); ++i) enter(meshes.at(i), scene.meshes[i]);
+  bytes = bytes.subspan(length);
+  for (std::size_t i = 0; i < scene.meshes.size(); ++i) {
+    enter(meshes.at(i), scene.meshes[i]);
+    enter_faces(meshes.at(i), bytes, scene.meshes[i]);
+  }
   scene.camera = to_camera(json.at("camera"));
   for (const Json& camera : json.at("camera_steps")) scene.camera_steps.push_back(to_camera(camera));
   for (const Json& light : json.at("directional"))
@@ -135,8 +152,7 @@ void enter_surroundings(std::span<const std::byte> bytes, Scene& scene) {
   for (const Json& light : json.at("points"))
     scene.point_lights.push_back({to_vector(light.at(0)), to_vector(light.at(1)), to_vector(light.at(2)),
                                   light.at(3).get<float>(), light.at(4).get<float>()});
-  if (json.contains("environment"))
-    scene.environment = to_environment(json.at("environment"), bytes.subspan(length));
+  if (json.contains("environment")) scene.environment = to_environment(json.at("environment"), bytes);
 }
 
 // Buffers ---------------------------------------------------------------------------------------------------

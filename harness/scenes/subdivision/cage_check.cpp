@@ -20,6 +20,9 @@ void check_faces(const SubdivisionCage& cage, std::size_t vertex_count) {
     if (size < 3 || size > kMostCorners) {
       fail("face {} of the cage has {} corners, but 3 to {} are possible", face, size, kMostCorners);
     }
+    if (cage.scheme == SubdivisionCage::Scheme::kLoop && size != 3) {
+      fail("face {} of the cage has {} corners, but Loop's surfaces have triangles", face, size);
+    }
     if (size > cage.face_vertices.size() - first) {
       fail("the faces of the cage have more corners than the {} that are given", cage.face_vertices.size());
     }

@@ -80,7 +80,8 @@ Refiner make_refiner(const SubdivisionCage& cage) {
   descriptor.numHoles = static_cast<int>(holes.size());
   descriptor.holeIndices = holes.data();
   using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
-  Factory::Options options(Sdc::SCHEME_CATMARK, scheme_options(cage.boundary));
+  const bool is_loop = cage.scheme == SubdivisionCage::Scheme::kLoop;
+  Factory::Options options(is_loop ? Sdc::SCHEME_LOOP : Sdc::SCHEME_CATMARK, scheme_options(cage.boundary));
   options.validateFullTopology = true;
   listen_to_opensubdiv();
   Refiner refiner(Factory::Create(descriptor, options));
@@ -104,27 +105,41 @@ std::vector<bool> all_vertices(const Far::TopologyLevel& level) {
   return std::vector<bool>(static_cast<std::size_t>(level.GetNumVertices()), true);
 }
 
-/// A level's vertices by those of the level before, and by the points of its faces, which come first.
+/// A level's vertices by those of the level before, and by the points of its faces, which come first where
+/// there are any.
 WeightedSums refined_sums(const Far::TopologyRefiner& refiner, int level) {
   const auto faces = static_cast<std::size_t>(refiner.GetLevel(level - 1).GetNumFaces());
-  WeightRecorder recorder(all_vertices(refiner.GetLevel(level)), faces);
+  const bool has_face_points = refiner.GetSchemeType() == Sdc::SCHEME_CATMARK;
+  WeightRecorder recorder(all_vertices(refiner.GetLevel(level)), has_face_points ? faces : 0);
   Far::PrimvarRefinerReal<double>(refiner).Interpolate(level, OwnIndex{}, recorder);
   check_cancelled();
   return recorder.take();
 }
 
+/// The face of the cage that each face of the level comes of.
+std::vector<std::uint32_t> cage_faces(const Far::TopologyRefiner& refiner, int level) {
+  std::vector<std::uint32_t> faces(static_cast<std::size_t>(refiner.GetLevel(level).GetNumFaces()));
+  for (std::size_t face = 0; face < faces.size(); ++face) {
+    auto ancestor = static_cast<Far::Index>(face);
+    for (int l = level; l > 0; --l) ancestor = refiner.GetLevel(l).GetFaceParentFace(ancestor);
+    faces[face] = static_cast<std::uint32_t>(ancestor);
+  }
+  return faces;
+}
+
 /// Triangles of the faces that are no holes: fans.
-std::vector<std::uint32_t> triangles_of(const Far::TopologyLevel& level) {
-  std::vector<std::uint32_t> indices;
+void add_triangles(const Far::TopologyRefiner& refiner, int l, CageTopology& result) {
+  const Far::TopologyLevel& level = refiner.GetLevel(l);
+  const std::vector<std::uint32_t> origins = cage_faces(refiner, l);
   for (int face = 0; face < level.GetNumFaces(); ++face) {
     if (level.IsFaceHole(face)) continue;
     const Far::ConstIndexArray corners = level.GetFaceVertices(face);
     for (int i = 2; i < corners.size(); ++i) {
       for (const int corner : {corners[0], corners[i - 1], corners[i]})
-        indices.push_back(static_cast<std::uint32_t>(corner));
+        result.indices.push_back(static_cast<std::uint32_t>(corner));
+      result.faces.push_back(origins[static_cast<std::size_t>(face)]);
     }
   }
-  return indices;
 }
 
 /// The level's faces on the vertices of the next: limit masks exist for quads only, which all faces are
@@ -138,6 +153,7 @@ void use_child_vertices(const Far::TopologyLevel& level, std::vector<std::uint32
 }  // namespace
 
 std::size_t refined_face_count(const SubdivisionCage& cage, unsigned level) {
+  if (cage.scheme == SubdivisionCage::Scheme::kLoop) return cage.face_sizes.size() << (2 * level);
   return level == 0 ? cage.face_sizes.size() : cage.face_vertices.size() << (2 * (level - 1));
 }
 
@@ -150,7 +166,7 @@ CageTopology refine_topology(const SubdivisionCage& cage, unsigned level) {
   refiner->RefineUniform(options);
   check_cancelled();
   CageTopology result;
-  result.indices = triangles_of(refiner->GetLevel(static_cast<int>(level)));
+  add_triangles(*refiner, static_cast<int>(level), result);
   if (result.indices.empty()) fail("all faces of the cage are holes or lie at a border");
   if (level == 0) use_child_vertices(refiner->GetLevel(0), result.indices);
 

@@ -27,6 +27,7 @@ struct CageTopology {
   /// near: they would need time and memory by its square.
   std::vector<WeightedSums> stages;
   std::vector<std::uint32_t> indices;  ///< 3 for each triangle
+  std::vector<std::uint32_t> faces;    ///< of each triangle the cage's face
 };
 
 /// The faces of the level, before holes are taken out.

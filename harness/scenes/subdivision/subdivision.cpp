@@ -70,6 +70,7 @@ Mesh refine_to_level(const SubdivisionCage& cage, unsigned level) {
   for_all(cage.steps.size(),
           [&](std::size_t s) { mesh.steps[s] = limit_positions(topology, cage.steps[s]); });
   mesh.indices = std::move(topology.indices);
+  mesh.faces = std::move(topology.faces);
   return mesh;
 }
 

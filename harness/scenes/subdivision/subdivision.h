@@ -1,4 +1,4 @@
-/// Catmull-Clark surfaces: an animated cage becomes an animated mesh of triangles.
+/// Catmull-Clark and Loop surfaces: an animated cage becomes an animated mesh of triangles.
 #pragma once
 
 #include <cstdint>
@@ -14,6 +14,11 @@ struct SubdivisionCage {
   std::vector<std::uint32_t> face_sizes;     ///< corners of each face, at least 3
   std::vector<std::uint32_t> face_vertices;  ///< corners of all faces, one after another
   std::vector<VertexBuffer> steps;           ///< cage positions, 1 to kMaxSteps, all of the same size
+
+  enum class Scheme {
+    kCatmullClark,
+    kLoop,  ///< of triangles alone
+  } scheme = Scheme::kCatmullClark;
 
   /// Sharpness 0 is smooth; each level takes 1 away; from 10 on the edge or vertex stays sharp at all levels.
   struct Crease {

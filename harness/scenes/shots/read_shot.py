@@ -1,0 +1,87 @@
+#!/usr/bin/env python3
+"""Reads a USD or Alembic file and hands over what is in it (handover.py): stbvh-ab runs this.
+
+Usage: read_shot.py FILE DESCRIPTOR [--shutter A,B] [--deviation E]
+DESCRIPTOR is the number of an open file. The shutter is in seconds, the deviation a share of the scene's diagonal.
+Whatever is wrong is handed over too, so the exit code is 0 but where the process is ended.
+"""
+import argparse
+import ctypes
+import os
+import resource
+import signal
+import sys
+
+import shot_environment
+
+MOST_SECONDS = 3600  # of the processor: some malformed files keep a library busy for ever
+MOST_MEMORY = 64 << 30
+PR_SET_PDEATHSIG = 1  # it does not outlive who asked
+
+
+def options():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("file")
+    parser.add_argument("descriptor", type=int)
+    parser.add_argument("--shutter", type=lambda text: tuple(float(word) for word in text.split(",")))
+    parser.add_argument("--deviation", type=float, default=1e-6)
+    return parser.parse_args()
+
+
+def enter_environment():
+    """Starts again in the environment."""
+    python = shot_environment.ensure()
+    os.execv(python, [python, "-B", "-E", "-s", *sys.argv])
+
+
+def limit_process():
+    """Libraries crash and print: the one line about it is the program's."""
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_CPU, (MOST_SECONDS, MOST_SECONDS))
+    resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
+    nothing = os.open(os.devnull, os.O_RDWR)
+    for descriptor in (0, 1, 2):
+        os.dup2(nothing, descriptor)
+
+
+def say_problem(descriptor, text):
+    """Without numpy, which may be what is missing."""
+    sentence = " ".join(text.split()).encode("utf-8", "replace")
+    os.write(descriptor, b"STBVSHT1" + (6).to_bytes(4, "little") + bytes(4) + len(sentence).to_bytes(8, "little") + sentence)
+
+
+def read(asked):
+    import handover  # they need the environment
+    out = handover.Handover(asked.descriptor)
+    try:
+        if asked.file.lower().endswith(".abc"):
+            import alembic_shot as reader
+        else:
+            import usd_shot as reader
+        reader.read(asked.file, out, asked.shutter, asked.deviation)
+        out.end()
+    except handover.ShotProblem as problem:
+        out.text(handover.PROBLEM, str(problem))
+    except MemoryError:
+        out.text(handover.PROBLEM, "needs more memory than there is")
+    except Exception as error:  # whatever a library throws is one line for the user
+        out.text(handover.PROBLEM, f"cannot be read: {type(error).__name__}: {str(error).strip()[:400]}")
+
+
+def main():
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
+    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    asked = options()
+    if not shot_environment.is_inside():
+        try:
+            enter_environment()
+        except shot_environment.NoEnvironment as problem:
+            say_problem(asked.descriptor, "cannot be read: " + str(problem))
+            return
+    limit_process()
+    read(asked)
+
+
+if __name__ == "__main__":
+    main()
