@@ -132,7 +132,10 @@ def draw_gallery(records):
     finish_bars(size, structures, f"bytes, times {DIRECT}\n(logarithmic)" if wide(bars) else f"bytes, times {DIRECT}")
     if wide(bars):
         size.set_xscale("log")
-        size.set_xlim(left=0.7 * min(v[0] for v in bars.values()))
+        values = [v[0] for v in bars.values()]
+        size.set_xlim(left=0.7 * min(values))
+        size.set_xticks([2.0**k for k in range(-10, 11) if 0.7 * min(values) < 2.0**k < 1.1 * max(values)])
+        size.minorticks_off()
         size.xaxis.set_major_formatter("{x:g}")
 
     shown = {colour_of(s) for s in structures}
