@@ -12,7 +12,7 @@ namespace stbvh::harness {
 /// does not take the second scene, one of ours without an idea.
 inline Report gallery_report() {
   constexpr std::string_view kReferences[]{"stbvh-direct", "stbvh-direct-scalar"};
-  constexpr const char* kNames[]{"union",        "separate-2",         "kd4", "stbvh-no-meshlets", "embree",
+  constexpr const char* kNames[]{"union",        "separate-2",         "kd4", "no-meshlets", "embree",
                                  "stbvh-direct", "stbvh-direct-scalar"};
   Report report;
   for (const std::string scene : {"a", "b"}) {
@@ -64,7 +64,7 @@ inline Report gallery_report() {
       }
     }
   }
-  for (const std::string name : {"", "union", "stbvh-no-meshlets", "stbvh-direct"}) {
+  for (const std::string name : {"", "union", "no-meshlets", "stbvh-direct"}) {
     for (double time : {0.25, 0.75}) {
       report.slices.push_back(
           {.scene = "turning-bar",
