@@ -1,5 +1,5 @@
 /// `kd4`: a kd-tree over space and time, after Olsson (2007). The text was not to be had: what is here is
-/// inferred from Mitsuba 0.6, which has such a tree for its shape `deformable` and whose code was read.
+/// inferred from what is known of Mitsuba 0.6, which has such a tree for its shape `deformable`.
 ///
 /// Stored: nodes of 8 bytes that split space at a plane or the shutter at a time; in each cell links to the
 /// meshlets in it. All cells share one leaf of a meshlet, which holds all its steps: a leaf of the steps that

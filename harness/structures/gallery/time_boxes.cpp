@@ -1,5 +1,5 @@
 /// `time-boxes`: a static box for each primitive and time interval, as Cycles has in its own tree with motion
-/// steps (BVHBuild::add_reference_triangles of Blender, whose code was read; there is no paper).
+/// steps (BVHBuild::add_reference_triangles of Blender, of which excerpts were read; there is no paper).
 ///
 /// Stored: the kernels' static and spatial-temporal nodes, without slopes: a box and a time range for each
 /// child. Built: a reference for each meshlet and segment; object splits alone, by the surface areas of the
