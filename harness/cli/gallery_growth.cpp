@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <iterator>
 
 #include "harness/cli/turning_bar.h"
 #include "harness/scenes/procedural/procedural.h"
@@ -21,10 +20,8 @@ constexpr std::size_t kBarSteps = 33;
 constexpr double kSlowBuild = 20;  // seconds
 
 Scene figure_with_steps(std::size_t steps, std::size_t triangles, std::uint64_t seed) {
-  double at_one = 0;
-  for (const StepGroup& group : planned_groups(kStepScene)) at_one += group.triangles;
-  Scene scene = find_procedural_scene(kStepScene)
-                    ->make_with_steps(static_cast<double>(triangles) / at_one, seed, steps);
+  Scene scene =
+      find_procedural_scene(kStepScene)->make_with_steps(scale_for(kStepScene, triangles), seed, steps);
   scene.name = kStepScene;
   return scene;
 }
@@ -46,11 +43,8 @@ class GrowthRun {
       std::vector<std::string> names = names_;
       std::erase_if(names, [&](const std::string& name) { return !obstacle(name, scene).empty(); });
       const SceneFigures figures = measure_scene(scene, names, options_, seed_, progress_);
+      add_scaling_results(figures, over, value, results);
       for (const BuildResult& build : figures.builds) {
-        ScalingResult& result =
-            results.emplace_back(ScalingResult{.over = over, .value = value, .build = build});
-        std::ranges::copy_if(figures.speeds, std::back_inserter(result.speeds),
-                             [&](const SpeedResult& s) { return s.structure == build.structure; });
         if (build.build_s.median > kSlowBuild && value != values.back()) leave_out(build, value, over);
       }
     }

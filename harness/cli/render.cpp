@@ -21,6 +21,7 @@
 #include "harness/program/session.h"
 #include "harness/program/usage_error.h"
 #include "harness/report/machine.h"
+#include "harness/scenes/scene_hash.h"
 #include "harness/structures/memory_estimate.h"
 #include "plugin/files/output_file.h"
 
@@ -120,13 +121,13 @@ bool is_finished(const fs::path& file, const Metadata& making, const Strip& stri
 }
 
 /// Renders one picture and writes it.
-void make_picture(const RenderOptions& options, const Scene& scene, const std::string& structure_name,
-                  const fs::path& file, Progress& progress) {
+void make_picture(const RenderOptions& options, const Scene& scene, const std::string& hash,
+                  const std::string& structure_name, const fs::path& file, Progress& progress) {
   const std::string label = fmt::format("{}, {}", scene.name, structure_name);
   RenderSettings settings = options.settings;
   settings.seed = options.seed;
   settings.camera = chosen_camera(options.camera, scene.camera);
-  Metadata making = making_metadata(settings, scene, structure_name, options.environment);
+  Metadata making = making_metadata(settings, scene, hash, structure_name, options.environment);
   if (options.resume) {
     progress.clear();
     if (is_finished(file, making, settings.strip)) {
@@ -193,10 +194,11 @@ void run_render(const RenderOptions& options) {
     progress.stage(fmt::format("{}: making the scene", source.name));
     Scene scene = source.load();
     if (environment) scene.environment = environment;
+    const std::string hash = scene_hash(scene);
     std::vector<RenderFile> files;
     for (const std::string& structure : structures_that_fit(options.structures, scene, "")) {
       files.push_back({source.name, structure, outputs.file(source.name, structure)});
-      make_picture(options, scene, structure, files.back().path, progress);
+      make_picture(options, scene, hash, structure, files.back().path, progress);
     }
     if (!options.json || files.empty()) continue;
     const std::vector<RenderResult> shown = show_renderings(files, files.front().path.parent_path());

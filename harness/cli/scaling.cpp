@@ -142,13 +142,6 @@ ScalingOptions completed(ScalingOptions o) {
   return o;
 }
 
-/// The scale at which `scene` has about that many moving triangles.
-double scale_for(const ProceduralScene& scene, std::size_t triangles) {
-  double at_one = 0;
-  for (const StepGroup& group : planned_groups(scene.name)) at_one += group.triangles;
-  return static_cast<double>(triangles) / at_one;
-}
-
 /// One scaling run.
 class ScalingRun {
  public:
@@ -156,9 +149,9 @@ class ScalingRun {
       : options_(options),
         source_(*find_procedural_scene(options.scene)),
         names_(with_reference(options.structures)) {
-    if (options.over == Over::kTriangles && scale_for(source_, options.values.back()) > kMaxScale) {
+    if (options.over == Over::kTriangles && scale_for(source_.name, options.values.back()) > kMaxScale) {
       throw UsageError(fmt::format("--values: {} has at most {:.0f} triangles, not {}.", source_.name,
-                                   kMaxScale / scale_for(source_, 1), options.values.back()));
+                                   kMaxScale / scale_for(source_.name, 1), options.values.back()));
     }
   }
 
@@ -175,7 +168,7 @@ class ScalingRun {
 
  private:
   Scene make_scene(std::size_t value) const {
-    const double scale = options_.over == Over::kTriangles ? scale_for(source_, value)
+    const double scale = options_.over == Over::kTriangles ? scale_for(source_.name, value)
                                                            : options_.scale.value_or(source_.default_scale);
     Scene scene = options_.over == Over::kSteps ? source_.make_with_steps(scale, options_.seed, value)
                                                 : source_.make(scale, options_.seed);
@@ -196,12 +189,7 @@ class ScalingRun {
     fmt::print("{}with {}\n", scene_heading(summarize(scene)), in_words(value));
     std::fflush(stdout);
     const SceneFigures figures = measure_scene(scene, names_, speed, options_.seed, progress_);
-    for (const BuildResult& build : figures.builds) {
-      ScalingResult& result =
-          results_.emplace_back(ScalingResult{.over = over, .value = value, .build = build});
-      std::copy_if(figures.speeds.begin(), figures.speeds.end(), std::back_inserter(result.speeds),
-                   [&](const SpeedResult& s) { return s.structure == build.structure; });
-    }
+    add_scaling_results(figures, over, value, results_);
   }
 
   std::string in_words(std::size_t value) const {

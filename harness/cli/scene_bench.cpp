@@ -228,6 +228,15 @@ SceneFigures measure_scene(const Scene& scene, const std::vector<std::string>& n
   return SceneBench(scene, options, seed, progress, on_built).run(names);
 }
 
+void add_scaling_results(const SceneFigures& figures, const std::string& over, std::size_t value,
+                         std::vector<ScalingResult>& results) {
+  for (const BuildResult& build : figures.builds) {
+    ScalingResult& result = results.emplace_back(ScalingResult{.over = over, .value = value, .build = build});
+    std::ranges::copy_if(figures.speeds, std::back_inserter(result.speeds),
+                         [&](const SpeedResult& s) { return s.structure == build.structure; });
+  }
+}
+
 std::string bench_scene(const Scene& scene, const BenchOptions& options, Progress& progress, Report& report) {
   const SceneFigures figures =
       measure_scene(scene, with_reference(options.structures), options, options.seed, progress);

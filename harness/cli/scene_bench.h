@@ -60,6 +60,10 @@ SceneFigures measure_scene(const Scene& scene, const std::vector<std::string>& n
                            const SpeedOptions& options, std::uint64_t seed, Progress& progress,
                            const OnBuilt& on_built = {});
 
+/// Adds what was measured at one value of what varies: a result for each structure.
+void add_scaling_results(const SceneFigures& figures, const std::string& over, std::size_t value,
+                         std::vector<ScalingResult>& results);
+
 /// Builds the structures of `options`, and embree, over `scene`, traces the same rays with all of them in
 /// turn (with each of its thread counts) and adds the figures to `report`. Returns their tables.
 std::string bench_scene(const Scene& scene, const BenchOptions& options, Progress& progress, Report& report);

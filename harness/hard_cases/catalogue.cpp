@@ -1,14 +1,11 @@
 #include "harness/hard_cases/catalogue.h"
 
-#include <algorithm>
-
 #include "harness/structures/structure_under_test.h"
 
 namespace stbvh::harness {
 
 bool HardFamily::admits(std::string_view structure) const {
-  const std::vector<std::string_view> gallery = gallery_names();
-  if (std::ranges::find(gallery, structure) != gallery.end()) return is_exact(structure);
+  if (is_in_gallery(structure)) return is_exact(structure);
   switch (askable) {
     case Askable::kAll:
       return true;

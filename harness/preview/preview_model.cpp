@@ -14,6 +14,7 @@
 #include "harness/program/usage_error.h"
 #include "harness/rays/ray_generator.h"
 #include "harness/scenes/scene_file.h"
+#include "harness/scenes/scene_hash.h"
 #include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
@@ -199,7 +200,7 @@ void PreviewModel::write_layers(const fs::path& base, const GrowingPicture& pict
     if (!structures[slot]) continue;
     Rendering rendering = picture.rendering(slot);
     const BuiltStructure& built = *structures[slot];
-    rendering.image.metadata = making_metadata(made, *built.scene, built.name, {});
+    rendering.image.metadata = making_metadata(made, *built.scene, scene_hash(*built.scene), built.name, {});
     add_outcome(made, rendering);
     std::array<std::string, kSlots> one{built.name, ""};
     rendering.image.metadata.emplace_back("command", render_command(options_, built.asked_scene, one, made));

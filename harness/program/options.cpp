@@ -117,15 +117,13 @@ std::vector<std::string> chosen_names(std::string_view what, const std::vector<s
 std::vector<std::string> chosen_structures(const std::vector<std::string>& asked) {
   // Those of the gallery go behind the others; "all" does not mean them.
   std::vector<std::string> others, chosen;
-  std::vector<std::string_view> of_gallery;
-  for (const std::string_view name : gallery_names()) {
-    if (contains(asked, name)) of_gallery.push_back(name);
-  }
   for (const std::string& name : asked) {
-    if (std::ranges::find(of_gallery, name) == of_gallery.end()) others.push_back(name);
+    if (!is_in_gallery(name)) others.push_back(name);
   }
-  if (!others.empty() || of_gallery.empty()) chosen = chosen_names("structure", others, structure_names());
-  chosen.insert(chosen.end(), of_gallery.begin(), of_gallery.end());
+  if (!others.empty() || asked.empty()) chosen = chosen_names("structure", others, structure_names());
+  for (const std::string_view name : gallery_names()) {
+    if (contains(asked, name)) chosen.emplace_back(name);
+  }
   return chosen;
 }
 

@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "harness/report/machine.h"
-#include "harness/scenes/scene_hash.h"
 
 namespace stbvh::harness {
 namespace {
@@ -18,14 +17,14 @@ std::string text_of(const Camera& c) {
 
 }  // namespace
 
-Metadata making_metadata(const RenderSettings& r, const Scene& scene, const std::string& structure,
-                         const std::filesystem::path& environment) {
+Metadata making_metadata(const RenderSettings& r, const Scene& scene, const std::string& hash,
+                         const std::string& structure, const std::filesystem::path& environment) {
   Metadata metadata;
   const auto add = [&](const char* name, std::string value) {
     metadata.emplace_back(name, std::move(value));
   };
   add("scene", scene.name);
-  add("scene_hash", scene_hash(scene));
+  add("scene_hash", hash);
   add("structure", structure);
   add("seed", fmt::format("{}", r.seed));
   add("size", fmt::format("{}x{}", r.width, r.height));

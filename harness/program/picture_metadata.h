@@ -14,10 +14,11 @@ namespace stbvh::harness {
 /// Name and value, as LayeredImage has them.
 using Metadata = std::vector<std::pair<std::string, std::string>>;
 
-/// What decides the pixels of a picture of `scene`, apart from which of its rows it has: pictures with the
-/// same of this have the same bits. `environment`: the file that lit the scene; empty: none.
-Metadata making_metadata(const RenderSettings& settings, const Scene& scene, const std::string& structure,
-                         const std::filesystem::path& environment);
+/// What decides the pixels of a picture of `scene`, whose scene_hash() is `hash`, apart from which of its
+/// rows it has: pictures with the same of this have the same bits. `environment`: the file that lit the
+/// scene; empty: none.
+Metadata making_metadata(const RenderSettings& settings, const Scene& scene, const std::string& hash,
+                         const std::string& structure, const std::filesystem::path& environment);
 
 /// Adds what is known of a rendering made by `settings` once it is there.
 void add_outcome(const RenderSettings& settings, Rendering& rendering);

@@ -27,11 +27,6 @@ constexpr double kStbvhFurtherBytes = 40;
 // Of the methods of the gallery, of which most split time less often, and some hold a leaf for each segment.
 constexpr double kGalleryBytes = 400;
 
-bool is_in_gallery(std::string_view name) {
-  const std::vector<std::string_view> names = gallery_names();
-  return std::find(names.begin(), names.end(), name) != names.end();
-}
-
 std::size_t lbvh_segments(const Scene& scene, std::size_t& largest_window) {
   const TimeWindows windows(scene);
   std::size_t total = 0;

@@ -137,6 +137,10 @@ std::vector<std::string_view> gallery_names() {
   return names;
 }
 
+bool is_in_gallery(std::string_view name) {
+  return find_in_gallery(name) != nullptr;
+}
+
 std::string_view structure_description(std::string_view name) {
   for (const Entry& entry : kEntries) {
     if (entry.name == name) return entry.description;
@@ -170,7 +174,7 @@ std::string obstacle(std::string_view name, const Scene& scene) {
 }
 
 bool is_limitable(std::string_view name) {
-  return name.starts_with("stbvh") && find_in_gallery(name) == nullptr;
+  return name.starts_with("stbvh") && !is_in_gallery(name);
 }
 
 bool is_scalar(std::string_view name) {

@@ -4,7 +4,6 @@
 
 #include "harness/scenes/scene_views.h"
 #include "harness/structures/build_meter.h"
-#include "harness/structures/gallery/gallery_tree.h"
 #include "stbvh/saved_structure.h"
 
 namespace stbvh::harness {
@@ -124,7 +123,7 @@ class OutlineCollector final : public NodeVisitor {
   bool enter(const TreeNode& node) override {
     if (!(time_ >= node.time_range.begin && time_ <= node.time_range.end)) return false;
     if (node.level < level_ && !is_leaf(node.kind)) return true;
-    outlines_.push_back(gallery::corners_of(node.box.at(time_)));
+    outlines_.push_back(corners_of(node.box.at(time_)));
     return false;
   }
   std::vector<Outline> take() { return std::move(outlines_); }

@@ -13,6 +13,7 @@
 #include "harness/scenes/scene.h"
 #include "harness/scenes/scene_editor.h"
 #include "harness/structures/hit_record.h"
+#include "harness/structures/outline.h"
 
 namespace stbvh::harness {
 
@@ -35,9 +36,6 @@ struct OverLimit : std::runtime_error {
 
 /// Told the fraction done, 0 to 1, from any thread, also from several at once; false cancels the build.
 using BuildProgress = std::function<bool(double fraction)>;
-
-/// Corners of a convex body that a node bounds its subtree with, in no order.
-using Outline = std::vector<Vec3f>;
 
 class StructureUnderTest {
  public:
@@ -83,6 +81,8 @@ std::vector<std::string_view> structure_names();
 /// Names of the methods that came before ours, and of ours without its ideas (docs/gallery.md): structures
 /// too, but not among structure_names().
 std::vector<std::string_view> gallery_names();
+
+bool is_in_gallery(std::string_view name);
 
 /// What the structure `name` is, in one line. Throws std::invalid_argument for an unknown name.
 std::string_view structure_description(std::string_view name);

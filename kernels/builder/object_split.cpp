@@ -5,39 +5,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+
+#include "builder/binning.h"
 
 namespace stbvh {
 
 namespace {
 
 constexpr std::size_t kParallelReferences = 32768;
-
-/// Maps centroids to bins, the same way for binning and for partitioning.
-class Binning {
- public:
-  explicit Binning(const ReferenceSet& set) : lower_(set.centroids4.lower) {
-    const F32x4 extent = set.centroids4.upper - set.centroids4.lower;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const float e = extent[static_cast<int>(axis)];
-      // Just below the number of bins, so that the largest centroid falls into the last one.
-      const float scale = e > 0.0f ? 0.99999f * static_cast<float>(kObjectBins) / e : 0.0f;
-      scale_[axis] = std::isfinite(scale) ? scale : 0.0f;
-    }
-    scale4_ = _mm_set_ps(0.0f, scale_[2], scale_[1], scale_[0]);
-  }
-  bool splits(int axis) const { return scale_[static_cast<std::size_t>(axis)] > 0.0f; }
-
-  void bins(const LinearBounds& bounds, std::array<std::uint32_t, 4>& out) const {
-    const F32x4 position = (bounds.centroid4() - lower_) * scale4_;
-    _mm_storeu_si128(reinterpret_cast<__m128i*>(out.data()), _mm_cvttps_epi32(position.v));
-  }
-
- private:
-  F32x4 lower_;
-  F32x4 scale4_;
-  std::array<float, 3> scale_{};
-};
 
 /// Bounds and counts; merging is exact, so the order in which threads merge does not matter.
 struct Bins {
@@ -122,28 +97,13 @@ ObjectSplit find_binned_split(const ReferenceSet& set) {
   return best;
 }
 
-using Order = std::array<std::uint8_t, kSweepLimit>;
-
-/// Order of the references by centroid along `axis`; ties keep their places.
-Order sorted_order(std::span<const Reference> references, int axis) {
-  std::array<float, kSweepLimit> centroids;
-  for (std::size_t i = 0; i < references.size(); ++i) centroids[i] = references[i].bounds().centroid4()[axis];
-  Order order{};
-  for (std::size_t i = 0; i < references.size(); ++i) {  // insertion sort: there are few
-    std::size_t j = i;
-    for (; j > 0 && centroids[order[j - 1]] > centroids[i]; --j) order[j] = order[j - 1];
-    order[j] = static_cast<std::uint8_t>(i);
-  }
-  return order;
-}
-
 ObjectSplit find_swept_split(const ReferenceSet& set) {
   const std::size_t n = set.size();
   std::array<LinearBounds, kSweepLimit> bounds;
   for (std::size_t i = 0; i < n; ++i) bounds[i] = set.references[i].bounds();
   ObjectSplit best;
   for (int axis = 0; axis < 3; ++axis) {
-    const Order order = sorted_order(set.references, axis);
+    const SweepOrder order = sorted_order(set.references, axis);
     std::array<float, kSweepLimit> right_costs;
     LinearBounds side = LinearBounds::empty();
     for (std::size_t i = n - 1; i > 0; --i) {
@@ -160,11 +120,28 @@ ObjectSplit find_swept_split(const ReferenceSet& set) {
   return best;
 }
 
-/// Brings the references into the split's order; returns how many go left.
+}  // namespace
+
+SweepOrder sorted_order(std::span<const Reference> references, int axis) {
+  std::array<float, kSweepLimit> centroids;
+  for (std::size_t i = 0; i < references.size(); ++i) centroids[i] = references[i].bounds().centroid4()[axis];
+  SweepOrder order{};
+  for (std::size_t i = 0; i < references.size(); ++i) {  // insertion sort: there are few
+    std::size_t j = i;
+    for (; j > 0 && centroids[order[j - 1]] > centroids[i]; --j) order[j] = order[j - 1];
+    order[j] = static_cast<std::uint8_t>(i);
+  }
+  return order;
+}
+
+ObjectSplit find_object_split(const ReferenceSet& set) {
+  return set.size() <= kSweepLimit ? find_swept_split(set) : find_binned_split(set);
+}
+
 std::size_t partition_references(ReferenceSet& set, const ObjectSplit& split) {
   if (!(split.cost < std::numeric_limits<float>::infinity())) return set.size() / 2;
   if (set.size() <= kSweepLimit) {
-    const Order order = sorted_order(set.references, split.axis);
+    const SweepOrder order = sorted_order(set.references, split.axis);
     std::array<Reference, kSweepLimit> sorted;
     for (std::size_t i = 0; i < set.size(); ++i) sorted[i] = set.references[order[i]];
     std::copy_n(sorted.begin(), set.size(), set.references.begin());
@@ -178,12 +155,6 @@ std::size_t partition_references(ReferenceSet& set, const ObjectSplit& split) {
         return bin[static_cast<std::size_t>(split.axis)] < split.position;
       });
   return static_cast<std::size_t>(middle - set.references.begin());
-}
-
-}  // namespace
-
-ObjectSplit find_object_split(const ReferenceSet& set) {
-  return set.size() <= kSweepLimit ? find_swept_split(set) : find_binned_split(set);
 }
 
 std::pair<ReferenceSet, ReferenceSet> apply_object_split(ReferenceSet& set, const ObjectSplit& split) {

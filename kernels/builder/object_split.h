@@ -1,8 +1,11 @@
 /// Object splits: the best of 32 bins in each of three axes (an exact sweep for small sets).
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "builder/reference_set.h"
@@ -23,8 +26,15 @@ inline constexpr std::size_t kObjectBins = 32;
 
 ObjectSplit find_object_split(const ReferenceSet& set);
 
-/// Reorders the references of `set` and returns its two sides, bounds included. Where the split separates
-/// nothing (cost infinity) the set is cut in two halves as it stands.
+using SweepOrder = std::array<std::uint8_t, kSweepLimit>;
+/// Order of up to kSweepLimit references by centroid along `axis`; ties keep their places.
+SweepOrder sorted_order(std::span<const Reference> references, int axis);
+
+/// Brings the references into the split's order; returns how many go left. Where the split separates nothing
+/// (cost infinity) it is half of them, as they stand.
+std::size_t partition_references(ReferenceSet& set, const ObjectSplit& split);
+
+/// Its two sides, bounds included.
 std::pair<ReferenceSet, ReferenceSet> apply_object_split(ReferenceSet& set, const ObjectSplit& split);
 
 }  // namespace stbvh

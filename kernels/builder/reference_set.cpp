@@ -22,6 +22,8 @@ void extend(ReferenceSet& set, std::span<const Reference> references) {
 
 void ReferenceSet::update_bounds() {
   using Range = tbb::blocked_range<std::size_t>;
+  bounds = LinearBounds::empty();
+  centroids4 = Box4::empty();
   if (size() < kParallelReferences) return extend(*this, references);
   *this = tbb::parallel_reduce(
       Range(0, size(), kParallelReferences / 4), *this,

@@ -37,16 +37,8 @@ bool has_row(const std::string& text, const std::string& structure) {
 }
 
 /// One run for all tests.
-class GalleryCommand : public testing::Test {
+class GalleryCommand : public SharedFolderTest {
  protected:
-  static void SetUpTestSuite() { folder() = std::make_unique<TemporaryFolder>(); }
-  static void TearDownTestSuite() { folder().reset(); }
-
-  static std::unique_ptr<TemporaryFolder>& folder() {
-    static std::unique_ptr<TemporaryFolder> of_all;
-    return of_all;
-  }
-  static std::string path(const std::string& name) { return (folder()->path() / name).string(); }
   static const Outcome& made() {
     static const Outcome outcome = stbvh_ab(
         "gallery --scenes wheels,cloth --scale 0.01 --count 200 --repeats 1 --growth 300 -o " + path("out"));

@@ -12,6 +12,7 @@
 #include "harness/rays/ray_generator.h"
 #include "harness/structures/gallery/box_sequence.h"
 #include "harness/structures/structure_under_test.h"
+#include "tests/harness/right_answers.h"
 #include "tests/harness/test_scenes.h"
 #include "tests/harness/trace_all.h"
 
@@ -72,19 +73,7 @@ Scene floor_scene(std::size_t steps) {
 class EachSequence : public ::testing::TestWithParam<std::string_view> {};
 
 void expect_right_answers(std::string_view name, const Scene& scene) {
-  const auto structure = build_structure(name, scene, 2);
-  const auto reference = build_structure("stbvh-direct", scene, 2);
-  const Oracle oracle(scene);
-  for (const RayKind kind : ray_kinds()) {
-    const RaySet rays = make_rays(kind, scene, *reference, 2500, 11);
-    const ErrorCounts counts =
-        judge(oracle, 17.0, rays, oracle.answers(rays.rays), trace_all(*structure, rays));
-    EXPECT_GT(counts.oracle_hits, 100u);
-    EXPECT_EQ(counts.missed, 0u) << ray_kind_name(kind);
-    EXPECT_EQ(counts.false_hits, 0u) << ray_kind_name(kind);
-    EXPECT_EQ(counts.wrong_primitive, 0u) << ray_kind_name(kind);
-    EXPECT_LT(counts.within_rounding, 5u) << ray_kind_name(kind);
-  }
+  expect_right_answers(*build_structure(name, scene, 2), scene, 2500, 100);
 }
 
 /// The triangle test is the same, so the distances are the same bits.

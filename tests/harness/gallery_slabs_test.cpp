@@ -8,6 +8,7 @@
 #include "harness/oracle/judge.h"
 #include "harness/rays/ray_generator.h"
 #include "harness/structures/structure_under_test.h"
+#include "tests/harness/right_answers.h"
 #include "tests/harness/test_scenes.h"
 #include "tests/harness/trace_all.h"
 
@@ -107,19 +108,7 @@ class GallerySlabs : public ::testing::TestWithParam<std::string_view> {
   }
 
   static void expect_right_answers(const Scene& scene) {
-    const auto structure = built(scene);
-    const Oracle oracle(scene);
-    const auto reference = build_structure("stbvh-direct", scene, 2);
-    for (const RayKind kind : ray_kinds()) {
-      const RaySet rays = make_rays(kind, scene, *reference, 5000, 11);
-      const ErrorCounts counts =
-          judge(oracle, 17.0, rays, oracle.answers(rays.rays), trace_all(*structure, rays));
-      EXPECT_GT(counts.oracle_hits, 500u);
-      EXPECT_EQ(counts.missed, 0u) << ray_kind_name(kind);
-      EXPECT_EQ(counts.false_hits, 0u) << ray_kind_name(kind);
-      EXPECT_EQ(counts.wrong_primitive, 0u) << ray_kind_name(kind);
-      EXPECT_LT(counts.within_rounding, 5u) << ray_kind_name(kind);
-    }
+    harness::expect_right_answers(*built(scene), scene, 5000, 500);
   }
 
   /// The triangle test is ours: where no box hides what it accepts, the answers have the same bits.

@@ -12,6 +12,7 @@
 #include "harness/scenes/frozen_scene.h"
 #include "harness/scenes/procedural/procedural.h"
 #include "harness/structures/structure_under_test.h"
+#include "tests/harness/right_answers.h"
 #include "tests/harness/test_scenes.h"
 #include "tests/harness/trace_all.h"
 
@@ -92,18 +93,8 @@ class EachExactMethod : public ::testing::TestWithParam<std::string_view> {};
 
 TEST_P(EachExactMethod, AgreesWithTheOracle) {
   for (const Scene& scene : {mixed_step_scene(), uneven_step_scene()}) {
-    const auto structure = build_structure(GetParam(), scene, 2);
-    const auto reference = build_structure("stbvh-direct", scene, 2);
-    const Oracle oracle(scene);
-    for (const RayKind kind : ray_kinds()) {
-      const RaySet rays = make_rays(kind, scene, *reference, 2000, 11);
-      const ErrorCounts counts =
-          judge(oracle, 17.0, rays, oracle.answers(rays.rays), trace_all(*structure, rays));
-      EXPECT_GT(counts.oracle_hits, 200u);
-      EXPECT_EQ(counts.missed, 0u) << scene.name << " " << ray_kind_name(kind);
-      EXPECT_EQ(counts.false_hits, 0u) << scene.name << " " << ray_kind_name(kind);
-      EXPECT_EQ(counts.wrong_primitive, 0u) << scene.name << " " << ray_kind_name(kind);
-    }
+    SCOPED_TRACE(scene.name);
+    expect_right_answers(*build_structure(GetParam(), scene, 2), scene, 2000, 200);
   }
 }
 

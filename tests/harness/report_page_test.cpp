@@ -24,16 +24,8 @@ bool holds(const std::string& text, const std::string& part) {
 constexpr const char* kOfGltf = "--shutter-mode loop --steps auto:1e-3";
 
 /// One report for all tests: making it takes seconds.
-class ReportPage : public ::testing::Test {
+class ReportPage : public SharedFolderTest {
  protected:
-  static void SetUpTestSuite() { folder() = std::make_unique<TemporaryFolder>(); }
-  static void TearDownTestSuite() { folder().reset(); }
-
-  static std::unique_ptr<TemporaryFolder>& folder() {
-    static std::unique_ptr<TemporaryFolder> of_all;
-    return of_all;
-  }
-  static std::string path(const std::string& name) { return (folder()->path() / name).string(); }
   static const Outcome& made() {
     static const Outcome outcome =
         stbvh_ab("report --quick --scenes wheels,cloth --scale 0.01 " + std::string(kOfGltf) +

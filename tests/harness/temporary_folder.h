@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -51,6 +52,21 @@ class TemporaryFolder {
   }
 
   fs::path path_;
+};
+
+/// A folder for all tests of a suite, whose files take long to make.
+class SharedFolderTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() { folder() = std::make_unique<TemporaryFolder>(); }
+  static void TearDownTestSuite() { folder().reset(); }
+
+  static std::string path(const std::string& name) { return (folder()->path() / name).string(); }
+
+ private:
+  static std::unique_ptr<TemporaryFolder>& folder() {
+    static std::unique_ptr<TemporaryFolder> of_all;
+    return of_all;
+  }
 };
 
 /// A folder for each test.

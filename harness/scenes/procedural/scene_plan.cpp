@@ -41,6 +41,12 @@ std::span<const StepGroup> planned_groups(std::string_view scene) {
   return {};
 }
 
+double scale_for(std::string_view scene, std::size_t triangles) {
+  double at_one = 0;
+  for (const StepGroup& group : planned_groups(scene)) at_one += group.triangles;
+  return static_cast<double>(triangles) / at_one;
+}
+
 std::size_t planned_triangles(std::string_view scene, std::size_t steps, double scale) {
   if (!(scale > 0 && scale <= kMaxScale))
     throw std::invalid_argument(

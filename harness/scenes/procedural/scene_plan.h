@@ -25,6 +25,9 @@ std::size_t planned_triangles(std::string_view scene, std::size_t steps, double 
 /// Beyond this, 32-bit vertex indices would run out in the largest scenes.
 inline constexpr double kMaxScale = 64;
 
+/// The scale at which such a scene has about that many moving triangles; it may be above kMaxScale.
+double scale_for(std::string_view scene, std::size_t triangles);
+
 /// How `triangles` of a crowd are dealt out.
 struct CrowdPlan {
   std::size_t figures;

@@ -152,8 +152,6 @@ class NoTightLines final : public TopDown {
       sample_boxes(*mesh, *samples, meshlet(reference).used_vertices(), used);
       reference = make_reference(shifted_lines(used), reference.mesh, reference.meshlet);
     }
-    set.bounds = LinearBounds::empty();
-    set.centroids4 = Box4::empty();
     set.update_bounds();
   }
 

@@ -27,6 +27,7 @@
 #include "builder/sample_array.h"
 #include "harness/structures/gallery/box_sequence_node.h"
 #include "harness/structures/gallery/gallery.h"
+#include "harness/structures/gallery/object_splits.h"
 #include "harness/structures/gallery/wide_nodes.h"
 
 namespace stbvh::harness::gallery {
@@ -207,16 +208,12 @@ std::vector<OutlinedChild> children_at(const GalleryView& view, Link link, float
   return children;
 }
 
-class LinearTopology : public TopDown {
+class WithoutPrice final : public ObjectSplits {
  public:
-  using TopDown::TopDown;
+  using ObjectSplits::ObjectSplits;
 
  private:
   BytePrice price(const ReferenceSet&) const override { return {}; }
-  std::optional<Split> choose(const ReferenceSet& set) const override {
-    if (set.size() == 1) return std::nullopt;
-    return find_object_split(set);
-  }
 };
 
 }  // namespace
@@ -279,7 +276,7 @@ WrittenTree write_box_sequences(const BuildContext& context, const BinaryNode& r
 
 StructurePtr build_box_sequence(const Scene& scene, unsigned threads, const BuildProgress& progress) {
   GalleryTree::Method method;
-  method.make_builder = [](BuildContext& context) { return std::make_unique<LinearTopology>(context); };
+  method.make_builder = [](BuildContext& context) { return std::make_unique<WithoutPrice>(context); };
   method.write = [](BuildContext& context, BinaryNode& root) {
     const MeshletSequences sequences(context);
     return write_box_sequences(

@@ -8,6 +8,7 @@
 
 #include "builder/build_context.h"
 #include "builder/motion_bounds.h"
+#include "harness/structures/gallery/boxes.h"
 #include "harness/structures/gallery/gallery_tree.h"
 
 namespace stbvh::harness::gallery {
@@ -43,11 +44,6 @@ class MeshletSequences {
 /// limits stays inside the boxes between the steps, too. A box whose lower face is above its upper one holds
 /// nothing.
 void clip(std::span<Box4> boxes, const Box4& limits);
-
-/// Axes in which the lower face is above the upper one.
-inline unsigned inverted_axes(const Box4& box) {
-  return static_cast<unsigned>(_mm_movemask_ps(_mm_cmpgt_ps(box.lower.v, box.upper.v))) & 7u;
-}
 
 using SequenceOfLeaf = std::function<BoxSequence(const BinaryLeaf&)>;
 

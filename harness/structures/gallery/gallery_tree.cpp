@@ -7,7 +7,6 @@
 #include "builder/mesh_parts.h"
 #include "harness/scenes/scene_views.h"
 #include "harness/structures/build_meter.h"
-#include "harness/structures/gallery/one_by_one.h"
 #include "isolated.h"
 #include "layout/node_slots.h"
 #include "mesh_table.h"
@@ -22,16 +21,6 @@ GalleryKernels own_kernels() {
 
 const MethodKernels& method_kernels() {
   return default_isa() == Isa::kAvx2 ? kAvx2Methods : kScalarMethods;
-}
-
-Outline corners_of(const Box3f& box) {
-  Outline corners;
-  for (const float x : {box.lower.x, box.upper.x}) {
-    for (const float y : {box.lower.y, box.upper.y}) {
-      for (const float z : {box.lower.z, box.upper.z}) corners.push_back({x, y, z});
-    }
-  }
-  return corners;
 }
 
 namespace {
@@ -108,14 +97,6 @@ void GalleryTree::build(const Scene& scene, const Method& method, const BuildPro
   view_.data = tree_->block.data();
   view_.root = tree_->root;
   view_.method = tree_->method.get();
-}
-
-void GalleryTree::intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const {
-  intersect_one_by_one(*this, rays, hits);
-}
-
-void GalleryTree::occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const {
-  occluded_one_by_one(*this, rays, hits);
 }
 
 bool GalleryTree::intersect_one(const Ray& ray, Hit& hit) const {

@@ -9,6 +9,7 @@
 #include "builder/build_context.h"
 #include "harness/structures/gallery/gallery_view.h"
 #include "harness/structures/gallery/mesh_records.h"
+#include "harness/structures/gallery/one_by_one.h"
 #include "harness/structures/gallery/top_down.h"
 #include "harness/structures/structure_under_test.h"
 
@@ -22,9 +23,6 @@ struct OutlinedChild {
 
 /// The children of a node that are alive at `time`.
 using ChildrenAt = std::vector<OutlinedChild> (*)(const GalleryView& view, Link node, float time);
-
-/// The eight corners of a box.
-Outline corners_of(const Box3f& box);
 
 /// Nodes and leaves that a method has written.
 struct WrittenTree {
@@ -47,7 +45,7 @@ inline BuildSettings as_given() {
   return {.tolerance = kKeepAllSteps};
 }
 
-class GalleryTree final : public StructureUnderTest {
+class GalleryTree final : public OneByOne<GalleryTree> {
  public:
   /// How a method makes its builder, and how it writes what that has built.
   using MakeBuilder = std::function<std::unique_ptr<TopDown>(BuildContext&)>;
@@ -66,8 +64,6 @@ class GalleryTree final : public StructureUnderTest {
   GalleryTree(const Scene& scene, const Method& method, unsigned threads, const BuildProgress& progress);
 
   const BuildRecord& build_record() const override { return record_; }
-  void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
-  void occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const override;
   bool intersect_one(const Ray& ray, Hit& hit) const override;
   bool occluded_one(const Ray& ray) const override;
   bool has_counters() const override { return true; }

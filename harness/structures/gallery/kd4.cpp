@@ -29,7 +29,7 @@
 namespace stbvh::harness::gallery {
 namespace {
 
-class KdTree final : public StructureUnderTest {
+class KdTree final : public OneByOne<KdTree> {
  public:
   KdTree(const Scene& scene, unsigned threads, const BuildProgress& progress) {
     const BuildMeter meter(threads);
@@ -39,12 +39,6 @@ class KdTree final : public StructureUnderTest {
   }
 
   const BuildRecord& build_record() const override { return record_; }
-  void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override {
-    intersect_one_by_one(*this, rays, hits);
-  }
-  void occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const override {
-    occluded_one_by_one(*this, rays, hits);
-  }
   bool intersect_one(const Ray& ray, Hit& hit) const override { return intersect_kd(view_, ray, hit); }
   bool occluded_one(const Ray& ray) const override { return occluded_kd(view_, ray); }
   bool has_counters() const override { return true; }

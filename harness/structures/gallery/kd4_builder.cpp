@@ -12,6 +12,7 @@
 
 #include "builder/motion_bounds.h"
 #include "builder/sample_array.h"
+#include "harness/structures/gallery/boxes.h"
 
 namespace stbvh::harness::gallery {
 namespace {
@@ -41,11 +42,6 @@ double area(const Box4& box) {
   const F32x4 size4 = box.upper - box.lower;
   const double x = size4[0], y = size4[1], z = size4[2];
   return x * y + y * z + z * x;
-}
-
-bool overlap(const Box4& a, const Box4& b) {
-  const __m128 apart = _mm_or_ps(_mm_cmplt_ps(a.upper.v, b.lower.v), _mm_cmplt_ps(b.upper.v, a.lower.v));
-  return (_mm_movemask_ps(apart) & 7) == 0;
 }
 
 Box4 clipped(const Box4& box, const Box4& to) {

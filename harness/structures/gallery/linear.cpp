@@ -5,11 +5,12 @@
 /// Built: object splits alone. Traversed: by the kernels.
 #include "harness/structures/gallery/gallery.h"
 #include "harness/structures/gallery/gallery_tree.h"
-#include "harness/structures/gallery/linear_boxes.h"
+#include "harness/structures/gallery/object_splits.h"
 
 namespace stbvh::harness::gallery {
+
 StructurePtr build_linear(const Scene& scene, unsigned threads, const BuildProgress& progress) {
-  return build_in_own_nodes<LinearBoxes>(scene, threads, progress);
+  return build_in_own_nodes<ObjectSplits>(scene, threads, progress);
 }
 
 }  // namespace stbvh::harness::gallery

@@ -8,6 +8,9 @@
 #include <cmath>
 #include <limits>
 
+#include "builder/binning.h"
+#include "builder/object_split.h"
+
 namespace stbvh::harness::gallery {
 namespace {
 
@@ -18,28 +21,6 @@ float sum_of_areas(std::span<const Box4> boxes) {
   for (const Box4& box : boxes) sum += half_area(max(box.upper - box.lower, F32x4(0.0f)));
   return sum;
 }
-
-/// Maps the centroids of linear bounds to bins, the same way for binning and for partitioning.
-class Binning {
- public:
-  explicit Binning(const ReferenceSet& set) : lower_(set.centroids4.lower) {
-    const F32x4 extent = set.centroids4.upper - set.centroids4.lower;
-    for (int axis = 0; axis < 3; ++axis) {
-      // Just below the number of bins, so that the largest centroid falls into the last one.
-      const float scale = 0.99999f * static_cast<float>(kObjectBins) / extent[axis];
-      scale_[static_cast<std::size_t>(axis)] = std::isfinite(scale) ? scale : 0.0f;
-    }
-  }
-  bool splits(std::size_t axis) const { return scale_[axis] > 0.0f; }
-  std::size_t bin(F32x4 centroid4, std::size_t axis) const {
-    const float position = (centroid4 - lower_)[static_cast<int>(axis)] * scale_[axis];
-    return static_cast<std::size_t>(static_cast<int>(position));
-  }
-
- private:
-  F32x4 lower_;
-  std::array<float, 3> scale_{};
-};
 
 /// Boxes and counts; merging is exact, so the order in which threads merge does not matter.
 struct Bins {
@@ -62,10 +43,11 @@ Bins bin_references(const ReferenceSet& set, const Binning& binning, std::size_t
   const auto add = [&](const Range& part, Bins bins) {
     for (std::size_t i = part.begin(); i != part.end(); ++i) {
       const Reference& reference = set.references[i];
-      const F32x4 centroid4 = reference.bounds().centroid4();
+      std::array<std::uint32_t, 4> place;
+      binning.bins(reference.bounds(), place);
       const BoxesAtTimes boxes = boxes_of(reference);
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::size_t bin = axis * kObjectBins + binning.bin(centroid4, axis);
+        const std::size_t bin = axis * kObjectBins + place[axis];
         bins.boxes[bin].extend(boxes);
         ++bins.counts[bin];
       }
@@ -99,17 +81,6 @@ void cut_row(int axis, std::span<const BoxesAtTimes> boxes, std::span<const std:
                        rights[i].mean_area() * static_cast<float>(right_counts[i]);
     if (cost < best.split.cost) best = {{cost, axis, i}, mean_overlap(left, rights[i])};
   }
-}
-
-using Order = std::array<std::uint8_t, kSweepLimit>;
-
-/// Order of up to kSweepLimit references by centroid along `axis`; ties keep their places.
-Order sorted_order(std::span<const Reference> references, int axis) {
-  Order order{};
-  for (std::size_t i = 0; i < references.size(); ++i) order[i] = static_cast<std::uint8_t>(i);
-  std::ranges::stable_sort(std::span(order).first(references.size()), {},
-                           [&](std::uint8_t i) { return references[i].bounds().centroid4()[axis]; });
-  return order;
 }
 
 }  // namespace
@@ -220,7 +191,7 @@ std::optional<Split> MeanAreaBuilder::choose(const ReferenceSet& set) const {
 
 std::pair<ReferenceSet, ReferenceSet> MeanAreaBuilder::split_in_space(ReferenceSet& set,
                                                                       const ObjectSplit& split) const {
-  return set.split_at(partition(set, split));
+  return set.split_at(partition_references(set, split));
 }
 
 MeanAreaSplit MeanAreaBuilder::find_split(const ReferenceSet& set) const {
@@ -230,7 +201,7 @@ MeanAreaSplit MeanAreaBuilder::find_split(const ReferenceSet& set) const {
   if (set.size() <= kSweepLimit) {
     const std::vector<std::uint32_t> ones(set.size(), 1);
     for (int axis = 0; axis < 3; ++axis) {
-      const Order order = sorted_order(set.references, axis);
+      const SweepOrder order = sorted_order(set.references, axis);
       std::vector<BoxesAtTimes> row;
       for (std::size_t i = 0; i < set.size(); ++i) row.push_back(boxes_of(set.references[order[i]]));
       cut_row(axis, row, ones, best);
@@ -239,30 +210,13 @@ MeanAreaSplit MeanAreaBuilder::find_split(const ReferenceSet& set) const {
   }
   const Binning binning(set);
   const Bins bins = bin_references(set, binning, times.count(), boxes_of);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
+  for (int axis = 0; axis < 3; ++axis) {
     if (!binning.splits(axis)) continue;
-    cut_row(static_cast<int>(axis), std::span(bins.boxes).subspan(axis * kObjectBins, kObjectBins),
-            std::span(bins.counts).subspan(axis * kObjectBins, kObjectBins), best);
+    const std::size_t first = static_cast<std::size_t>(axis) * kObjectBins;
+    cut_row(axis, std::span(bins.boxes).subspan(first, kObjectBins),
+            std::span(bins.counts).subspan(first, kObjectBins), best);
   }
   return best;
-}
-
-std::size_t MeanAreaBuilder::partition(ReferenceSet& set, const ObjectSplit& split) {
-  if (!(split.cost < std::numeric_limits<float>::infinity())) return set.size() / 2;
-  if (set.size() <= kSweepLimit) {
-    std::array<Reference, kSweepLimit> sorted;
-    const Order order = sorted_order(set.references, split.axis);
-    for (std::size_t i = 0; i < set.size(); ++i) sorted[i] = set.references[order[i]];
-    std::ranges::copy(std::span(sorted).first(set.size()), set.references.begin());
-    return split.position;
-  }
-  const Binning binning(set);
-  const auto right =
-      std::partition(set.references.begin(), set.references.end(), [&](const Reference& reference) {
-        return binning.bin(reference.bounds().centroid4(), static_cast<std::size_t>(split.axis)) <
-               split.position;
-      });
-  return static_cast<std::size_t>(right - set.references.begin());
 }
 
 }  // namespace stbvh::harness::gallery

@@ -94,8 +94,6 @@ class MeanAreaBuilder : public TopDown {
 
   /// The cheapest: mean area times references, summed over both sides.
   MeanAreaSplit find_split(const ReferenceSet& set) const;
-  /// Puts the references of the left side first, and returns how many they are.
-  static std::size_t partition(ReferenceSet& set, const ObjectSplit& split);
 
   const Piece& piece(const Reference& reference) const { return pieces_[reference.meshlet]; }
   Piece& changed_piece(const Reference& reference) const { return pieces_[reference.meshlet]; }

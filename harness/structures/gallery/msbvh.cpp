@@ -50,11 +50,6 @@ Box4 slab(int axis, float lower, float upper) {
   return {on_axis(lower, -kInfinity), on_axis(upper, kInfinity)};
 }
 
-bool overlap(const Box4& a, const Box4& b) {
-  const __m128 apart = _mm_or_ps(_mm_cmpgt_ps(a.lower.v, b.upper.v), _mm_cmpgt_ps(b.lower.v, a.upper.v));
-  return (_mm_movemask_ps(apart) & 7) == 0;
-}
-
 LinearBounds linear_bounds(const BoxSequence& sequence, const ClosedTimeRange& range) {
   const auto& [grid, boxes] = sequence;
   if (grid.segments == 0 || grid.begin != range.begin || grid.end != range.last)
@@ -137,7 +132,7 @@ class Msbvh final : public MeanAreaBuilder {
       const auto moving = std::partition(set.references.begin(), set.references.end(), is_still());
       return with_room(set, static_cast<std::size_t>(moving - set.references.begin()));
     }
-    if (split.axis < kFirstSpatialAxis) return with_room(set, partition(set, split));
+    if (split.axis < kFirstSpatialAxis) return with_room(set, partition_references(set, split));
     return split_at_plane(set, split.axis - kFirstSpatialAxis,
                           std::bit_cast<float>(static_cast<std::uint32_t>(split.position)));
   }

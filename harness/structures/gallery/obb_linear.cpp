@@ -16,8 +16,8 @@
 #include <cmath>
 
 #include "harness/structures/gallery/gallery.h"
-#include "harness/structures/gallery/linear_boxes.h"
 #include "harness/structures/gallery/obb_linear_nodes.inl"
+#include "harness/structures/gallery/object_splits.h"
 #include "harness/structures/gallery/projection.h"
 #include "harness/structures/gallery/wide_nodes.h"
 
@@ -266,7 +266,7 @@ WrittenTree write_obb(BuildContext& context, BinaryNode& root) {
 
 StructurePtr build_obb_linear(const Scene& scene, unsigned threads, const BuildProgress& progress) {
   GalleryTree::Method method;
-  method.make_builder = [](BuildContext& context) { return std::make_unique<LinearBoxes>(context); };
+  method.make_builder = [](BuildContext& context) { return std::make_unique<ObjectSplits>(context); };
   method.write = write_obb;
   return std::make_unique<GalleryTree>(scene, method, threads, progress);
 }

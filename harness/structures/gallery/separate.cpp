@@ -23,7 +23,7 @@
 namespace stbvh::harness::gallery {
 namespace {
 
-class SeparateTrees final : public StructureUnderTest {
+class SeparateTrees final : public OneByOne<SeparateTrees> {
  public:
   SeparateTrees(const Scene& scene, std::size_t count, unsigned threads, const BuildProgress& progress)
       : windows_(count) {
@@ -39,12 +39,6 @@ class SeparateTrees final : public StructureUnderTest {
   }
 
   const BuildRecord& build_record() const override { return record_; }
-  void intersect(std::span<const Ray> rays, std::span<HitRecord> hits) const override {
-    intersect_one_by_one(*this, rays, hits);
-  }
-  void occluded(std::span<const Ray> rays, std::span<HitRecord> hits) const override {
-    occluded_one_by_one(*this, rays, hits);
-  }
   bool intersect_one(const Ray& ray, Hit& hit) const override {
     const Window* const window = window_of(ray.time);
     return window != nullptr && window->tree->intersect(ray, hit) && window->name_mesh(hit);

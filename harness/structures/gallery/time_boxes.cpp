@@ -13,6 +13,7 @@
 #include "builder/motion_bounds.h"
 #include "harness/structures/gallery/gallery.h"
 #include "harness/structures/gallery/gallery_tree.h"
+#include "harness/structures/gallery/object_splits.h"
 
 namespace stbvh::harness::gallery {
 namespace {
@@ -35,9 +36,9 @@ ClosedTimeRange hull(const ClosedTimeRange& a, const ClosedTimeRange& b) {
   return {std::min(a.begin, b.begin), std::max(a.last, b.last)};
 }
 
-class TimeBoxes final : public TopDown {
+class TimeBoxes final : public ObjectSplits {
  public:
-  explicit TimeBoxes(BuildContext& context) : TopDown(context), intervals_(context.meshes.size()) {
+  explicit TimeBoxes(BuildContext& context) : ObjectSplits(context), intervals_(context.meshes.size()) {
     for (std::size_t i = 0; i < intervals_.size(); ++i) {
       const BuildMesh& mesh = context.meshes[i];
       const ClosedTimeRange alive = mesh.alive({0.0f, 1.0f});
@@ -75,11 +76,6 @@ class TimeBoxes final : public TopDown {
     set.references = storage.first(out);
     set.update_bounds();
     return set;
-  }
-
-  std::optional<Split> choose(const ReferenceSet& set) const override {
-    if (set.size() == 1) return std::nullopt;
-    return find_object_split(set);
   }
 
   void enter_leaf(const ReferenceSet& set, BinaryLeaf& leaf) override {

@@ -5,13 +5,14 @@
 /// Traversed: by the kernels. Leaves hold all steps, as everywhere in the gallery.
 #include "harness/structures/gallery/gallery.h"
 #include "harness/structures/gallery/gallery_tree.h"
+#include "harness/structures/gallery/object_splits.h"
 
 namespace stbvh::harness::gallery {
 namespace {
 
-class UnionBoxes final : public TopDown {
+class UnionBoxes final : public ObjectSplits {
  public:
-  using TopDown::TopDown;
+  using ObjectSplits::ObjectSplits;
 
  private:
   void fit(ReferenceSet& set) const override {
@@ -19,14 +20,7 @@ class UnionBoxes final : public TopDown {
       const Box4 whole = reference.bounds().whole();
       reference = make_reference({whole, whole}, reference.mesh, reference.meshlet);
     }
-    set.bounds = LinearBounds::empty();
-    set.centroids4 = Box4::empty();
     set.update_bounds();
-  }
-
-  std::optional<Split> choose(const ReferenceSet& set) const override {
-    if (set.size() == 1) return std::nullopt;
-    return find_object_split(set);
   }
 };
 

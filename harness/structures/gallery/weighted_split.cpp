@@ -4,27 +4,10 @@
 #include <array>
 #include <cmath>
 
+#include "builder/binning.h"
+
 namespace stbvh::harness::gallery {
 namespace {
-
-/// Which bin a reference falls into by its centroid along an axis.
-class Bins {
- public:
-  Bins(const ReferenceSet& set, int axis) : axis_(axis), lower_(set.centroids4.lower[axis]) {
-    const float extent = set.centroids4.upper[axis] - lower_;
-    const float scale = 0.99999f * static_cast<float>(kObjectBins) / extent;
-    scale_ = extent > 0.0f && std::isfinite(scale) ? scale : 0.0f;
-  }
-
-  bool splits() const { return scale_ > 0.0f; }
-  std::size_t of(const Reference& reference) const {
-    return static_cast<std::size_t>((reference.bounds().centroid4()[axis_] - lower_) * scale_);
-  }
-
- private:
-  int axis_;
-  float lower_, scale_;
-};
 
 struct Side {
   LinearBounds bounds = LinearBounds::empty();
@@ -58,14 +41,17 @@ std::size_t segments_of(const BuildContext& context, const ReferenceSet& set) {
 
 ObjectSplit find_weighted_split(const BuildContext& context, const ReferenceSet& set) {
   ObjectSplit best;
+  const Binning binning(set);
+  std::array<std::array<Side, kObjectBins>, 3> bins;
+  for (const Reference& reference : set.references) {
+    const Side one{reference.bounds(), static_cast<double>(segments_of(context, reference, set.range))};
+    std::array<std::uint32_t, 4> place;
+    binning.bins(one.bounds, place);
+    for (std::size_t axis = 0; axis < 3; ++axis) bins[axis][place[axis]].add(one);
+  }
   for (int axis = 0; axis < 3; ++axis) {
-    const Bins bins(set, axis);
-    if (!bins.splits()) continue;
-    std::array<Side, kObjectBins> sides;
-    for (const Reference& reference : set.references) {
-      const auto segments = static_cast<double>(segments_of(context, reference, set.range));
-      sides[bins.of(reference)].add({reference.bounds(), segments});
-    }
+    if (!binning.splits(axis)) continue;
+    const std::array<Side, kObjectBins>& sides = bins[static_cast<std::size_t>(axis)];
     std::array<Side, kObjectBins> right;
     right[kObjectBins - 1] = sides[kObjectBins - 1];
     for (std::size_t i = kObjectBins - 1; i > 0; --i) {
@@ -86,10 +72,13 @@ ObjectSplit find_weighted_split(const BuildContext& context, const ReferenceSet&
 std::pair<ReferenceSet, ReferenceSet> apply_weighted_split(ReferenceSet& set, const ObjectSplit& split) {
   std::size_t left = set.size() / 2;
   if (std::isfinite(split.cost)) {
-    const Bins bins(set, split.axis);
+    const Binning binning(set);
     const auto middle =
-        std::partition(set.references.begin(), set.references.end(),
-                       [&](const Reference& reference) { return bins.of(reference) < split.position; });
+        std::partition(set.references.begin(), set.references.end(), [&](const Reference& reference) {
+          std::array<std::uint32_t, 4> place;
+          binning.bins(reference.bounds(), place);
+          return place[static_cast<std::size_t>(split.axis)] < split.position;
+        });
     left = static_cast<std::size_t>(middle - set.references.begin());
   }
   return set.split_at(left);

@@ -62,7 +62,7 @@ class WideNodes {
   }
 
   std::size_t steps_of(const BinaryLeaf& leaf) const {
-    return context_.meshes[leaf.mesh].is_static() ? 1 : leaf.segments.last - leaf.segments.first + 2;
+    return context_.meshes[leaf.mesh].steps_in(leaf.range);
   }
 
   Node make(const BinaryNode& node) const {

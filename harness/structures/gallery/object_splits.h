@@ -1,4 +1,4 @@
-/// The builder of `linear`, and of what differs from it in the nodes alone.
+/// The builder of all methods that do not split time.
 #pragma once
 
 #include "harness/structures/gallery/top_down.h"
@@ -6,7 +6,7 @@
 namespace stbvh::harness::gallery {
 
 /// Object splits alone, by linear bounds over the whole shutter.
-class LinearBoxes final : public TopDown {
+class ObjectSplits : public TopDown {
  public:
   using TopDown::TopDown;
 
