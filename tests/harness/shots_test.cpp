@@ -211,10 +211,18 @@ TEST_F(ShotsTest, AShutterIsAPartOfTheFile) {
   EXPECT_EQ(std::ranges::count(scene.meshes, "/Splash", &Mesh::name), 2);
 }
 
+TEST_F(ShotsTest, AreReadWithinTheUsersOwnLimits) {
+  const Outcome run = run_command(fmt::format("ulimit -t 600; {} convert {} -o {} 2>&1", STBVH_AB,
+                                              data("velocities.usda").string(), at("out.xml")));
+  EXPECT_EQ(run.exit_code, 2) << run.out;
+  EXPECT_NE(run.out.find("--resample-steps"), std::string::npos) << run.out;  // it was read
+}
+
 TEST_F(ShotsTest, FramesAreTimeCodesOfAUsdFile) {
   const auto places = [this](const FilePart& part, const fs::path& file) {
+    const Scene scene = load(file, {.shutter = part});
     std::vector<std::string> steps;
-    for (const VertexBuffer& step : load(file, {.shutter = part}).meshes.at(0).steps)
+    for (const VertexBuffer& step : scene.meshes.at(0).steps)
       for (std::size_t vertex = 0; vertex < step.size(); ++vertex)
         steps.push_back(fmt::format("{} {} {}", step[vertex].x, step[vertex].y, step[vertex].z));
     return steps;

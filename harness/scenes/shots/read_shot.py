@@ -39,9 +39,10 @@ def enter_environment():
 
 def limit_process():
     """Libraries crash and print: the one line about it is the program's."""
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    resource.setrlimit(resource.RLIMIT_CPU, (MOST_SECONDS, MOST_SECONDS))
-    resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
+    for kind, most in ((resource.RLIMIT_CORE, 0), (resource.RLIMIT_CPU, MOST_SECONDS), (resource.RLIMIT_AS, MOST_MEMORY)):
+        own = resource.getrlimit(kind)[1]  # which cannot be raised
+        limit = most if own == resource.RLIM_INFINITY else min(most, own)
+        resource.setrlimit(kind, (limit, limit))
     nothing = os.open(os.devnull, os.O_RDWR)
     for descriptor in (0, 1, 2):
         os.dup2(nothing, descriptor)
