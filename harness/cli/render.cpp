@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <filesystem>
 #include <map>
@@ -148,6 +149,15 @@ bool is_finished(const fs::path& file, const Metadata& making, const Strip& stri
   return false;
 }
 
+/// Prints warnings of many frames: one line of each kind, whose numbers are the first frame's.
+SceneWarning told_once() {
+  return [told = std::make_shared<std::set<std::string>>()](const std::string& sentence) {
+    std::string kind = sentence;
+    std::erase_if(kind, [](unsigned char c) { return std::isdigit(c) != 0; });
+    if (told->insert(kind).second) print_warning(sentence);
+  };
+}
+
 /// What is told of the pictures of a scene through one structure.
 struct Tally {
   std::size_t pictures = 0, finished_before = 0;
@@ -190,9 +200,7 @@ class RenderRun {
 
   void render_scene(const std::string& asked) {
     MakingOptions making = options_;
-    making.warn = [told = std::make_shared<std::set<std::string>>()](const std::string& sentence) {
-      if (told->insert(sentence).second) print_warning(sentence);  // not for each frame again
-    };
+    making.warn = told_once();
     std::vector<std::string> structures = options_.structures;
     std::map<std::string, Tally> tallies;
     std::string name;
