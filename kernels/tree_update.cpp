@@ -1,7 +1,10 @@
 #include "tree_update.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <limits>
+#include <mutex>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -64,10 +67,15 @@ class Update {
   std::size_t peak_bytes() const { return peak_bytes_; }
 
  private:
-  /// Two stages: what was there, what is new.
+  /// Two stages: what was there, what is new. Of threads that report at once only one is heard.
   bool report(double fraction) {
+    if (!callbacks_.progress) return true;
+    const std::unique_lock lock(report_, std::try_to_lock);
+    if (!lock.owns_lock()) return true;
+    if (is_cancelled_) return false;
     reported_ = std::max(reported_, done_ + share_ * fraction);
-    return !callbacks_.progress || callbacks_.progress(std::min(reported_, 1.0));
+    is_cancelled_ = !callbacks_.progress(std::min(reported_, 1.0));
+    return !is_cancelled_;
   }
 
   /// What becomes of each record, and which meshes are to be built.
@@ -84,8 +92,8 @@ class Update {
       if (was < meshes && now[was] == kNowhere) now[was] = i;
     }
     index_of_record_.assign(tree_.meshes.size(), kNowhere);
+    find_moved(now);
     fates_.assign(tree_.meshes.size(), RecordEdit::Fate::kStays);
-    moved_.resize(tree_.meshes.size());
     std::vector<bool> is_gone(meshes), is_kept(meshes_.size());
     for (std::uint32_t record = 0; record < tree_.meshes.size(); ++record) {
       if (!tree_.meshes.entry(record).is_used) continue;
@@ -105,25 +113,28 @@ class Update {
     }
   }
 
-  /// Of the record of a mesh that is still there, as number `index`.
-  RecordEdit::Fate fate_of(std::uint32_t record, std::size_t index) {
-    const MeshChange change = updates_[index].change;
-    if (change == MeshChange::kNothing) return RecordEdit::Fate::kStays;
-    const bool is_refitted = change == MeshChange::kPositions && moves(record, index);
-    return is_refitted ? RecordEdit::Fate::kMoved : RecordEdit::Fate::kRemoved;
+  /// Reads what meshes with other positions are now, where leaves may stay what they are but for these.
+  /// `now`: which mesh each has become.
+  void find_moved(std::span<const std::size_t> now) {
+    moved_.resize(tree_.meshes.size());
+    tbb::parallel_for(std::size_t{0}, moved_.size(), [&](std::size_t record) {
+      const MeshEntry& entry = tree_.meshes.entry(static_cast<std::uint32_t>(record));
+      if (!entry.is_used || entry.is_part || entry.invalid_triangles > 0) return;
+      const std::size_t index = now[tree_.meshes.record(static_cast<std::uint32_t>(record)).index];
+      if (index == kNowhere || updates_[index].change != MeshChange::kPositions) return;
+      // Nothing but positions may differ from what would be built now.
+      BuildContext context(tree_.settings, inner_);
+      add_mesh(context, meshes_[index], index);
+      BuildMesh& mesh = context.meshes[0];
+      if (mesh.is_part() || mesh.has_invalid_vertices() || mesh.steps_kept() != entry.kept) return;
+      moved_[record].emplace(std::move(mesh));
+    });
   }
 
-  /// Whether the leaves can stay what they are but for their positions.
-  bool moves(std::uint32_t record, std::size_t index) {
-    const MeshEntry& entry = tree_.meshes.entry(record);
-    if (entry.is_part || entry.invalid_triangles > 0) return false;
-    // Nothing but positions may differ from what would be built now.
-    BuildContext context(tree_.settings, inner_);
-    add_mesh(context, meshes_[index], index);
-    BuildMesh& mesh = context.meshes[0];
-    if (mesh.is_part() || mesh.has_invalid_vertices() || mesh.steps_kept() != entry.kept) return false;
-    moved_[record].emplace(std::move(mesh));
-    return true;
+  /// Of the record of a mesh that is still there, as number `index`.
+  RecordEdit::Fate fate_of(std::uint32_t record, std::size_t index) const {
+    if (updates_[index].change == MeshChange::kNothing) return RecordEdit::Fate::kStays;
+    return moved_[record] ? RecordEdit::Fate::kMoved : RecordEdit::Fate::kRemoved;
   }
 
   bool is_small() const {
@@ -304,7 +315,9 @@ class Update {
   std::span<const MeshUpdate> updates_;
   const BuildCallbacks& callbacks_;
   BuildCallbacks inner_;
+  std::mutex report_;
   double reported_ = 0.0, done_ = 0.0, share_ = 1.0;
+  bool is_cancelled_ = false;
   std::vector<std::size_t> index_of_record_;  ///< in the meshes as they are now
   std::vector<RecordEdit::Fate> fates_;
   std::vector<std::optional<BuildMesh>> moved_;  ///< of each record

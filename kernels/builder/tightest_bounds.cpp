@@ -44,14 +44,22 @@ LinearBounds tightest_at_centre(std::span<const BoundsSample> samples) {
   const BoundsSample& first = samples.front();
   const BoundsSample& last = samples.back();
   if (samples.size() <= 2) return {first.box, last.box};
+  struct Corners {
+    alignas(16) float lower_upper[2][4];
+  };
+  SampleArray<Corners> corners(samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    _mm_store_ps(corners[i].lower_upper[0], samples[i].box.lower.v);
+    _mm_store_ps(corners[i].lower_upper[1], samples[i].box.upper.v);
+  }
   SampleArray<Point> points(samples.size());
   alignas(16) float lines[4][4] = {};
   for (int axis = 0; axis < 3; ++axis) {
     for (int upper = 0; upper < 2; ++upper) {
       const double sign = upper ? -1.0 : 1.0;
       for (std::size_t i = 0; i < samples.size(); ++i) {
-        const F32x4& corner = upper ? samples[i].box.upper : samples[i].box.lower;
-        points[i] = {samples[i].parameter, sign * static_cast<double>(corner[axis])};
+        const float face = corners[i].lower_upper[upper][axis];
+        points[i] = {samples[i].parameter, sign * static_cast<double>(face)};
       }
       const Point line = lower_hull_line({points.data(), samples.size()}, 0.5);
       // Parameters and the line's two values are rounded to float: outwards by more than that.

@@ -16,6 +16,27 @@
 
 namespace stbvh {
 
+/// Bounds of the children of a node, which take their time to be put together.
+struct NodeChildren {
+  std::array<TimedBounds, kWidth> bounds;
+  std::size_t count = 0;
+
+  NodeChildren() = default;
+  explicit NodeChildren(const NodeSlots& node) {
+    for (const NodeSlot& slot : node.used()) add(slot);
+  }
+
+  void add(const NodeSlot& slot) { bounds[count++] = {slot.bounds(), slot.range}; }
+  std::span<const TimedBounds> used() const { return {bounds.data(), count}; }
+
+  LinearBounds merged(const ClosedTimeRange& range) const { return merged_bounds(range, used()); }
+  double expected_area() const {
+    double area = 0.0;
+    for (const auto& [of_child, range] : used()) area += stbvh::expected_area(of_child, range);
+    return area;
+  }
+};
+
 namespace {
 
 constexpr std::size_t kParallelLevels = 4;  ///< nodes above visit their children at once
@@ -31,15 +52,11 @@ bool overlaps(const Box4& a, const Box4& b) {
 }  // namespace
 
 LinearBounds bounds_of(const NodeSlots& node) {
-  std::array<TimedBounds, kWidth> children;
-  for (std::size_t i = 0; i < node.count; ++i) children[i] = {node.slots[i].bounds(), node.slots[i].range};
-  return merged_bounds(node.range, std::span(children).first(node.count));
+  return NodeChildren(node).merged(node.range);
 }
 
 double expected_area(const NodeSlots& node) {
-  double area = 0.0;
-  for (const NodeSlot& slot : node.used()) area += expected_area(slot.bounds(), slot.range);
-  return area;
+  return NodeChildren(node).expected_area();
 }
 
 TreeEdit::TreeEdit(std::byte* data, UnitSpace& space, const MeshRecord* table,
@@ -49,6 +66,8 @@ TreeEdit::TreeEdit(std::byte* data, UnitSpace& space, const MeshRecord* table,
       table_(table),
       records_(std::move(records)),
       progress_(progress),
+      samples_(records_.size()),
+      met_([this] { return Met{std::vector<Box4>(records_.size(), Box4::empty())}; }),
       bounds_(records_.size(), Box4::empty()),
       torn_(records_.size()) {
   for (const RecordEdit& record : records_) {
@@ -62,7 +81,18 @@ TreeEdit::TreeEdit(std::byte* data, UnitSpace& space, const MeshRecord* table,
 }
 
 TreeEdit::Outcome TreeEdit::apply(Link root, const ClosedTimeRange& range) {
-  return visit(root, range, 0);
+  whole_ = range;
+  for (std::size_t record = 0; record < records_.size(); ++record) {
+    if (records_[record].fate == RecordEdit::Fate::kMoved)
+      samples_[record].emplace(*records_[record].mesh, range);
+  }
+  Outcome outcome = visit(root, range, 0);
+  for (const Met& met : met_) {
+    for (std::size_t record = 0; record < records_.size(); ++record)
+      bounds_[record].extend(met.bounds[record]);
+    leaves_moved_ += met.leaves_moved;
+  }
+  return outcome;
 }
 
 std::vector<std::uint32_t> TreeEdit::torn_records() const {
@@ -73,13 +103,19 @@ std::vector<std::uint32_t> TreeEdit::torn_records() const {
   return result;
 }
 
-bool TreeEdit::may_hold_edits(const NodeSlot& slot) const {
-  const Box4 box = slot.bounds().whole();
+bool TreeEdit::may_hold_edits(const LinearBounds& bounds) const {
+  const Box4 box = bounds.whole();
   return std::ranges::any_of(edited_, [&](const Box4& edited) { return overlaps(box, edited); });
 }
 
 TreeEdit::Outcome TreeEdit::visit(Link link, const ClosedTimeRange& range, std::size_t level) {
   return kind_of(link) == LinkKind::kLeaf ? visit_leaf(link, range) : visit_node(link, range, level);
+}
+
+LinearBounds TreeEdit::bounds_of_moved(const BuildMesh& mesh, std::uint32_t record,
+                                       const ClosedTimeRange& range, const Meshlet& meshlet) const {
+  if (range == whole_) return motion_bounds(mesh, *samples_[record], meshlet.used_vertices());
+  return motion_bounds(mesh, MotionSamples(mesh, range), meshlet.used_vertices());
 }
 
 TreeEdit::Outcome TreeEdit::visit_leaf(Link link, const ClosedTimeRange& range) {
@@ -110,24 +146,25 @@ TreeEdit::Outcome TreeEdit::visit_leaf(Link link, const ClosedTimeRange& range) 
     torn_[leaf.mesh] = 1;
     return {};
   }
-  const LinearBounds bounds = motion_bounds(*mesh, MotionSamples(*mesh, range), meshlet->used_vertices());
+  const LinearBounds bounds = bounds_of_moved(*mesh, leaf.mesh, range, *meshlet);
   if (leaf.indexed == 0) {
     write_inline_leaf(leaf.mesh, *meshlet, leaf.first_segment,
                       mesh->view().steps.subspan(leaf.first_segment, steps), data);
   }
   outcome.slot = make_slot({bounds, range, link});
-  leaves_moved_.fetch_add(1, std::memory_order_relaxed);
-  const std::scoped_lock lock(mutex_);
-  bounds_[leaf.mesh].extend(bounds.whole());
+  Met& met = met_.local();
+  ++met.leaves_moved;
+  met.bounds[leaf.mesh].extend(bounds.whole());
   return outcome;
 }
 
 TreeEdit::Outcome TreeEdit::visit_node(Link link, const ClosedTimeRange& range, std::size_t level) {
   progress_.check();
   NodeSlots node = read_node(kind_of(link), data_ + unit_of(link) * kUnitBytes, range);
+  const NodeChildren children(node);
   std::array<Outcome, kWidth> outcomes;
   std::array<bool, kWidth> visited{};
-  for (std::size_t i = 0; i < node.count; ++i) visited[i] = may_hold_edits(node.slots[i]);
+  for (std::size_t i = 0; i < node.count; ++i) visited[i] = may_hold_edits(children.bounds[i].bounds);
   const auto visit_child = [&](std::size_t i) {
     if (visited[i]) outcomes[i] = visit(node.slots[i].link, node.slots[i].range, level + 1);
   };
@@ -138,23 +175,31 @@ TreeEdit::Outcome TreeEdit::visit_node(Link link, const ClosedTimeRange& range, 
   }
   NodeSlots edited;
   edited.range = range;
+  NodeChildren edited_children;
   TreeCounts change;
   bool is_changed = false;
   for (std::size_t i = 0; i < node.count; ++i) {
     const Outcome& outcome = outcomes[i];
     is_changed = is_changed || outcome.is_changed;
     change.add(outcome.change);
-    if (!outcome.is_gone) edited.slots[edited.count++] = outcome.is_changed ? outcome.slot : node.slots[i];
+    if (outcome.is_gone) continue;
+    edited.slots[edited.count++] = outcome.is_changed ? outcome.slot : node.slots[i];
+    if (outcome.is_changed) {
+      edited_children.add(outcome.slot);
+    } else {
+      edited_children.bounds[edited_children.count++] = children.bounds[i];
+    }
   }
-  return is_changed ? rewritten(link, node, edited, change) : Outcome{};
+  if (!is_changed) return {};
+  change.expected_area -= children.expected_area();
+  return rewritten(link, node, edited, edited_children, change);
 }
 
 TreeEdit::Outcome TreeEdit::rewritten(Link link, const NodeSlots& before, const NodeSlots& after,
-                                      TreeCounts change) {
+                                      const NodeChildren& children, TreeCounts change) {
   const std::size_t unit = unit_of(link), units = node_units(kind_of(link));
   Outcome outcome{.is_changed = true, .change = change};
   outcome.change.add_node(kind_of(link), before.count, -1);
-  outcome.change.expected_area -= expected_area(before);
   if (after.count <= 1) {  // the child takes the node's place
     give_back(unit, units);
     outcome.is_gone = after.count == 0;
@@ -163,7 +208,7 @@ TreeEdit::Outcome TreeEdit::rewritten(Link link, const NodeSlots& before, const 
   }
   const LinkKind kind = after.kind();
   outcome.change.add_node(kind, after.count);
-  outcome.change.expected_area += expected_area(after);
+  outcome.change.expected_area += children.expected_area();
   const std::size_t needed = node_units(kind);
   std::size_t place = unit;
   if (needed != units) {
@@ -173,7 +218,7 @@ TreeEdit::Outcome TreeEdit::rewritten(Link link, const NodeSlots& before, const 
     place = *found;
   }
   write_node(after, data_ + place * kUnitBytes);
-  outcome.slot = make_slot({bounds_of(after), after.range, make_link(kind, place)});
+  outcome.slot = make_slot({children.merged(after.range), after.range, make_link(kind, place)});
   return outcome;
 }
 

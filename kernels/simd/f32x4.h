@@ -1,4 +1,5 @@
-/// Four floats for the builder: x, y, z and a lane that carries nothing (SSE2, the baseline of x86-64).
+/// Four floats for builders and bounds: x, y, z and a lane that carries nothing (SSE2, the baseline of
+/// x86-64).
 #pragma once
 
 #include <emmintrin.h>
@@ -44,6 +45,11 @@ inline F32x4 abs(F32x4 a) {
 /// Whether all of x, y, z are equal.
 inline bool equal3(F32x4 a, F32x4 b) {
   return (_mm_movemask_ps(_mm_cmpeq_ps(a.v, b.v)) & 7) == 7;
+}
+
+/// Whether x, y, z are all below those of b; not where NaN.
+inline bool below3(F32x4 a, F32x4 b) {
+  return (_mm_movemask_ps(_mm_cmplt_ps(a.v, b.v)) & 7) == 7;
 }
 
 /// x*y + y*z + z*x: half the surface area of a box of that size.

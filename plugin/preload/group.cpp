@@ -139,6 +139,8 @@ std::vector<Group::Built> Group::look_at(const std::vector<Member>& members, std
   for (std::size_t i = 0; i < members_.size(); ++i) was.emplace(members_[i].member.mesh.get(), i);
   const std::vector<MeshFingerprint> fingerprints = fingerprints_of(views);
   std::vector<Built> built(members.size());
+  std::vector<std::size_t> changed;
+  std::vector<const MeshView*> changed_views;
   for (std::size_t i = 0; i < members.size(); ++i) {
     const auto before = was.find(members[i].mesh.get());
     if (before != was.end()) {
@@ -149,9 +151,12 @@ std::vector<Group::Built> Group::look_at(const std::vector<Member>& members, std
     built[i].member = members[i];
     built[i].fingerprint = fingerprints[i];
     if (updates[i].change == MeshChange::kNothing) continue;
-    built[i].box = linear_bounds_of(views[i]);
     built[i].moves = views[i].steps.size() > 1;
+    changed.push_back(i);
+    changed_views.push_back(&views[i]);
   }
+  const std::vector<LinearBox> boxes = linear_bounds_of(changed_views);
+  for (std::size_t i = 0; i < changed.size(); ++i) built[changed[i]].box = boxes[i];
   return built;
 }
 

@@ -1,6 +1,9 @@
 /// The box of moving meshes that rtcGetSceneLinearBounds and instances show.
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "stbvh/mesh_view.h"
 
 namespace stbvh::preload {
@@ -14,13 +17,14 @@ struct LinearBox {
   bool is_empty() const { return !(begin.lower.x <= begin.upper.x); }
 };
 
-/// The union, corner by corner at both ends, of the linear bounds of the valid triangles of `mesh` over [0,
-/// 1]; empty without any, and if the mesh is alive in nothing or next to nothing of [0, 1].
+/// Of each mesh the union, corner by corner at both ends, of the linear bounds of its valid triangles over
+/// [0, 1]; empty without any, and if the mesh is alive in nothing or next to nothing of [0, 1]. On all
+/// threads.
 ///
 /// The linear bounds of a triangle are those of Woop et al. 2017, section 3.2: the boxes at the ends, both
 /// shifted outwards wherever a box between them sticks out. Computed in float, in the order in which Embree
 /// 3.13 does: the scene's bounds are then the same numbers as with Embree's own triangles. Exceptions:
 /// docs/preload.md.
-LinearBox linear_bounds_of(const MeshView& mesh);
+std::vector<LinearBox> linear_bounds_of(std::span<const MeshView* const> meshes);
 
 }  // namespace stbvh::preload

@@ -62,6 +62,35 @@ TEST(PreloadBounds, OfSeveralMeshesWithDifferentSteps) {
   }
 }
 
+/// Of a mesh of few blocks of triangles, of many, and of part of one; then of each once it is the largest.
+TEST(PreloadBounds, OfLargeMeshesWhenOneOfThemChanges) {
+  std::vector<Mesh> meshes;
+  for (const unsigned triangles : {5000u, 13000u, 20u})
+    meshes.push_back(triangle_soup(triangles, triangles, 2 + triangles % 3));
+  Twice twice;
+  for (const Mesh& mesh : meshes) twice.add(mesh);
+  twice.commit();
+  EXPECT_TRUE(is_taken_over(twice.our_scene));
+  expect_same_bounds(twice.our_scene, twice.native_scene);
+  float far = 2.0f;
+  for (unsigned id = 0; id < meshes.size(); ++id) {
+    Mesh& mesh = meshes[id];
+    // The last vertex: of the last block.
+    for (std::vector<Position>& positions : mesh.steps) positions[mesh.vertex_count() - 1].y = far += 1.0f;
+    twice.both([&](const Embree& embree, RTCDevice, RTCScene scene) {
+      const RTCGeometry geometry = embree.rtcGetGeometry(scene, id);
+      for (unsigned step = 0; step < mesh.steps.size(); ++step)
+        embree.rtcUpdateGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, step);
+      embree.rtcCommitGeometry(geometry);
+    });
+    twice.commit();
+    expect_same_bounds(twice.our_scene, twice.native_scene);
+    RTCBounds box;
+    ours().rtcGetSceneBounds(twice.our_scene, &box);
+    EXPECT_EQ(box.upper_y, far);
+  }
+}
+
 TEST(PreloadBounds, InvalidTrianglesDoNotCount) {
   Mesh mesh = triangle_soup(3, 30, 4);
   mesh.steps[2][5].y = std::numeric_limits<float>::infinity();
