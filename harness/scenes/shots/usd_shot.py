@@ -413,8 +413,9 @@ def read(file, out, seconds, share):
     found.visit(stage.GetPseudoRoot(), world, "")
     rate = stage.GetTimeCodesPerSecond() or 24.0
     asked = None if seconds is None else (seconds[0] * rate, seconds[1] * rate)
-    shutter = shot_writer.find_shutter(asked, found.items, stage_range(stage, found.cameras))
-    write_camera(out, found.cameras, shutter, world, notes)
+    cameras = shot_writer.chosen_first(found.cameras, lambda prim: str(prim.GetPath()))
+    shutter = shot_writer.find_shutter(asked, found.items, stage_range(stage, cameras))
+    write_camera(out, cameras, shutter, world, notes)
     write_lights(out, found.lights, shutter, world, notes)
     shot_writer.write_items(out, notes, found.items, shutter, share)
     notes.hand_over(out)
