@@ -38,16 +38,16 @@ std::string run_scene(const Scene& scene, const ErrorOptions& options, PinnedThr
   const std::vector<RaySet> sets = make_ray_sets(scene, options, options.seed, options.threads, progress);
   const JudgedRays judged(scene, sets, progress);
   std::vector<ErrorResult> results;
-  std::string differences;
   for (const std::string& name : names) {
     progress.stage(fmt::format("{}: building {}", scene.name, name));
     const auto structure = build_within_limit(name, scene, options.threads);
     if (structure == nullptr) continue;
-    const auto more = judged.judge(name, *structure, threads, differences);
+    const auto more = judged.judge(name, *structure, threads);
     results.insert(results.end(), more.begin(), more.end());
   }
   report.errors.insert(report.errors.end(), results.begin(), results.end());
-  return scene_heading(summarize(scene)) + error_table(results) + distance_table(results) + differences;
+  return scene_heading(summarize(scene)) + error_table(results) + distance_table(results) +
+         difference_lines(results);
 }
 
 void run_error(const ErrorOptions& options) {

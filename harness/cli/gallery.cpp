@@ -167,7 +167,7 @@ class GalleryRun {
     const std::string table = gallery_table(part.galleries, summarize_scenes(part, kGalleryReferences));
     write(file_name(scene.name) + ".txt", scene_heading(summarize(scene)) + table + build_table(part.builds) +
                                               "\n" + speed_table(part.speeds) + error_table(part.errors) +
-                                              distance_table(part.errors) + gallery.differences());
+                                              distance_table(part.errors) + difference_lines(part.errors));
   }
 
   void write(const std::string& name, const std::string& text) const {

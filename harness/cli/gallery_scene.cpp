@@ -89,7 +89,7 @@ void GalleryScene::on_built(const std::string& name, const StructureUnderTest& s
   if (!judged_) judged_.emplace(scene_, sets, progress_);
   progress_.stage(fmt::format("{}: asking {}", scene_.name, name));
   GalleryResult result = new_result(scene_, name);
-  for (ErrorResult& error : judged_->judge(name, structure, threads_, differences_)) {
+  for (ErrorResult& error : judged_->judge(name, structure, threads_)) {
     result.traced += error.traced;
     result.wrong += error.missed + error.false_hits + error.wrong_primitive;
     errors_.push_back(std::move(error));

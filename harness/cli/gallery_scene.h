@@ -39,8 +39,6 @@ class GalleryScene {
   /// Of those of `names` that were built, and why the others were not.
   std::vector<GalleryResult> results(const std::vector<std::string>& names) const;
   const std::vector<ErrorResult>& errors() const { return errors_; }
-  /// Rays that were answered otherwise, a line each.
-  const std::string& differences() const { return differences_; }
 
  private:
   void warn(const GalleryResult& result);
@@ -51,7 +49,6 @@ class GalleryScene {
   std::optional<JudgedRays> judged_;
   std::vector<GalleryResult> results_;
   std::vector<ErrorResult> errors_;
-  std::string differences_;
 };
 
 }  // namespace stbvh::harness

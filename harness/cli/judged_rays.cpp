@@ -11,7 +11,7 @@
 namespace stbvh::harness {
 namespace {
 
-constexpr std::size_t kPrintedDifferences = 3;  // for each structure and kind of rays
+constexpr std::size_t kKeptDifferences = 3;  // for each structure and kind of rays
 
 ErrorResult to_result(const Scene& scene, const std::string& structure, const RaySet& rays,
                       const ErrorCounts& counts) {
@@ -30,29 +30,29 @@ ErrorResult to_result(const Scene& scene, const std::string& structure, const Ra
           .is_any_hit = rays.any_hit()};
 }
 
-std::string describe_hit(const Scene& scene, bool is_hit, bool is_any_hit, double t, std::uint32_t mesh,
+RecordedAnswer to_record(const Scene& scene, bool is_hit, bool is_any_hit, double t, std::uint32_t mesh,
                          std::uint32_t triangle) {
-  if (!is_hit) return "nothing";
-  if (is_any_hit) return "something";
+  if (!is_hit || is_any_hit) return {.is_hit = is_hit};
+  RecordedAnswer::Hit hit{.t = t, .mesh = mesh, .primitive = triangle};
   const bool has_faces = mesh < scene.meshes.size() && !scene.meshes[mesh].faces.empty();
-  return fmt::format("triangle {}{} of mesh {} at t = {:.9g}", triangle,
-                     has_faces ? fmt::format(" (face {})", scene.meshes[mesh].face_of(triangle)) : "", mesh,
-                     t);
+  if (has_faces) hit.face = scene.meshes[mesh].face_of(triangle);
+  return {.is_hit = true, .hit = hit};
 }
 
-/// A ray that a structure and the oracle answer differently, so that it can be traced again.
-std::string describe(const Scene& scene, const std::string& structure, const RaySet& rays,
-                     const OracleAnswer& exact, const Difference& difference, const HitRecord& hit) {
+DifferingRay to_record(const Scene& scene, const RaySet& rays, const OracleAnswer& exact,
+                       const Difference& difference, const HitRecord& hit) {
   const Ray& r = rays.rays[difference.ray];
   const bool any = rays.any_hit();
-  return fmt::format(
-      "  {}, {} {}, {}: from ({:.9g} {:.9g} {:.9g}) along ({:.9g} {:.9g} {:.9g}) at time {:.9g}: it says {}, "
-      "the oracle {}; an edge is {:.2g} ulps away\n",
-      structure, ray_kind_name(rays.kind), difference.ray, verdict_name(difference.verdict), r.origin.x,
-      r.origin.y, r.origin.z, r.direction.x, r.direction.y, r.direction.z, r.time,
-      describe_hit(scene, hit.is_hit(), any, hit.t, hit.geom_id, hit.prim_id),
-      describe_hit(scene, exact.is_hit, any, exact.t, exact.geom_id, exact.prim_id),
-      exact.edge_distance_ulps);
+  return {.ray = difference.ray,
+          .verdict = std::string(verdict_name(difference.verdict)),
+          .origin = {r.origin.x, r.origin.y, r.origin.z},
+          .direction = {r.direction.x, r.direction.y, r.direction.z},
+          .tnear = r.tnear,
+          .tfar = r.tfar,
+          .time = r.time,
+          .reported = to_record(scene, hit.is_hit(), any, hit.t, hit.geom_id, hit.prim_id),
+          .exact = to_record(scene, exact.is_hit, any, exact.t, exact.geom_id, exact.prim_id),
+          .edge_distance_ulps = exact.edge_distance_ulps};
 }
 
 }  // namespace
@@ -66,17 +66,17 @@ JudgedRays::JudgedRays(const Scene& scene, std::span<const RaySet> sets, Progres
 }
 
 std::vector<ErrorResult> JudgedRays::judge(const std::string& name, const StructureUnderTest& structure,
-                                           PinnedThreads& threads, std::string& differences) const {
+                                           PinnedThreads& threads) const {
   std::vector<ErrorResult> results;
   for (std::size_t s = 0; s < sets_.size(); ++s) {
     std::vector<HitRecord> hits(sets_[s].rays.size());
     trace(threads, structure, sets_[s], hits);
     const ErrorCounts counts =
         harness::judge(oracle_, diagonal(scene_.bounds()), sets_[s], answers_[s], hits);
-    results.push_back(to_result(scene_, name, sets_[s], counts));
-    for (std::size_t i = 0; i < std::min(counts.differences.size(), kPrintedDifferences); ++i) {
+    ErrorResult& result = results.emplace_back(to_result(scene_, name, sets_[s], counts));
+    for (std::size_t i = 0; i < std::min(counts.differences.size(), kKeptDifferences); ++i) {
       const Difference& d = counts.differences[i];
-      differences += describe(scene_, name, sets_[s], answers_[s][d.ray], d, hits[d.ray]);
+      result.differences.push_back(to_record(scene_, sets_[s], answers_[s][d.ray], d, hits[d.ray]));
     }
   }
   return results;

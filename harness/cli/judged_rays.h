@@ -21,10 +21,10 @@ class JudgedRays {
   /// Asks the oracle about `sets`. It and `scene` must outlive this.
   JudgedRays(const Scene& scene, std::span<const RaySet> sets, Progress& progress);
 
-  /// Traces each set once with `structure`, called `name`: a result for each. Adds a line to `differences`
-  /// for the first rays of each that are answered otherwise.
+  /// Traces each set once with `structure`, called `name`: a result for each, with the first of its
+  /// rays that are answered otherwise.
   std::vector<ErrorResult> judge(const std::string& name, const StructureUnderTest& structure,
-                                 PinnedThreads& threads, std::string& differences) const;
+                                 PinnedThreads& threads) const;
 
  private:
   const Scene& scene_;

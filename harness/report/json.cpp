@@ -70,7 +70,33 @@ void add_distance(const DistanceFigures& d, Json& record) {
   record["grazing"] = d.grazing;
 }
 
+/// Null: nothing was hit.
+Json to_figures(const RecordedAnswer& answer) {
+  if (!answer.is_hit) return {};
+  if (!answer.hit) return Json::object();
+  const RecordedAnswer::Hit& hit = *answer.hit;
+  return {{"t", hit.t},
+          {"mesh", hit.mesh},
+          {"primitive", hit.primitive},
+          {"face", hit.face.value_or(hit.primitive)}};
+}
+
+Json to_figures(const DifferingRay& r) {
+  return {{"ray", r.ray},
+          {"verdict", r.verdict},
+          {"origin", r.origin},
+          {"direction", r.direction},
+          {"tnear", r.tnear},
+          {"tfar", r.tfar},
+          {"time", r.time},
+          {"reported", to_figures(r.reported)},
+          {"exact", to_figures(r.exact)},
+          {"edge_distance_ulps", r.edge_distance_ulps}};
+}
+
 Json to_record(const ErrorResult& r) {
+  Json differences = Json::array();
+  for (const DifferingRay& difference : r.differences) differences.push_back(to_figures(difference));
   Json record{{"kind", "error"},
               {"scene", r.scene},
               {"structure", r.structure},
@@ -82,7 +108,8 @@ Json to_record(const ErrorResult& r) {
               {"wrong_primitive", r.wrong_primitive},
               {"ties", r.ties},
               {"within_rounding", r.within_rounding},
-              {"near_edge", r.near_edge}};
+              {"near_edge", r.near_edge},
+              {"differences", std::move(differences)}};
   add_distance(r.distance, record);
   return record;
 }

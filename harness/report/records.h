@@ -80,6 +80,33 @@ struct DistanceFigures {
   std::size_t grazing = 0;  ///< hits that off_plane is over
 };
 
+/// What was said to a ray.
+struct RecordedAnswer {
+  struct Hit {
+    double t = 0;
+    std::uint32_t mesh = 0;
+    std::uint32_t primitive = 0;
+    std::optional<std::uint32_t> face{};  ///< of the file; empty where it has no faces but its triangles
+  };
+
+  bool is_hit = false;
+  std::optional<Hit> hit{};  ///< empty also for occlusion rays, of which no more is known
+};
+
+/// A ray that was answered otherwise than exactly, so that it can be traced again.
+struct DifferingRay {
+  std::size_t ray = 0;  ///< its index among those of its kind
+  std::string verdict;
+  std::array<float, 3> origin{};
+  std::array<float, 3> direction{};
+  float tnear = 0;
+  float tfar = 0;
+  float time = 0;
+  RecordedAnswer reported{};
+  RecordedAnswer exact{};
+  double edge_distance_ulps = 0;
+};
+
 struct ErrorResult {
   std::string scene;
   std::string structure;
@@ -93,7 +120,8 @@ struct ErrorResult {
   std::size_t within_rounding = 0;
   std::size_t near_edge = 0;
   DistanceFigures distance{};
-  bool is_any_hit = false;  ///< occlusion rays have no t and no primitive
+  bool is_any_hit = false;                  ///< occlusion rays have no t and no primitive
+  std::vector<DifferingRay> differences{};  ///< the first of them, without ties
 };
 
 /// What a structure answered to a family of hard cases.

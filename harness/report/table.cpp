@@ -33,6 +33,14 @@ std::string speed_cell(const SpeedResult& r) {
   return fmt::format("{:.2f} ({:.2f}-{:.2f}) {}", ratio->median, ratio->min, ratio->max, mrays);
 }
 
+std::string in_words(const RecordedAnswer& answer) {
+  if (!answer.is_hit) return "nothing";
+  if (!answer.hit) return "something";
+  const RecordedAnswer::Hit& hit = *answer.hit;
+  return fmt::format("triangle {}{} of mesh {} at t = {:.9g}", hit.primitive,
+                     hit.face ? fmt::format(" (face {})", *hit.face) : "", hit.mesh, hit.t);
+}
+
 /// Speeds of a few kinds of rays side by side.
 std::string speed_columns(const std::vector<SpeedResult>& results, std::span<const std::string> kinds) {
   std::string text = fmt::format("{:<21}", "structure");
@@ -168,6 +176,21 @@ std::string distance_table(const std::vector<ErrorResult>& results) {
              "error of t", "relative", "in float spacings", "grazing hits, off the plane", "structure",
              "rays", "p50", "p99", "max", "p50", "p99", "max", "hits", "p50", "p99", "max") +
          text;
+}
+
+std::string difference_lines(const std::vector<ErrorResult>& results) {
+  std::string lines;
+  for (const ErrorResult& result : results) {
+    for (const DifferingRay& r : result.differences) {
+      lines += fmt::format(
+          "  {}, {} {}, {}: from ({:.9g} {:.9g} {:.9g}) along ({:.9g} {:.9g} {:.9g}) at time {:.9g}: it says "
+          "{}, the oracle {}; an edge is {:.2g} ulps away\n",
+          result.structure, result.rays, r.ray, r.verdict, r.origin[0], r.origin[1], r.origin[2],
+          r.direction[0], r.direction[1], r.direction[2], r.time, in_words(r.reported), in_words(r.exact),
+          r.edge_distance_ulps);
+    }
+  }
+  return lines;
 }
 
 std::string hard_heading() {

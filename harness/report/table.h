@@ -26,6 +26,9 @@ std::string error_table(const std::vector<ErrorResult>& results);
 /// from the plane.
 std::string distance_table(const std::vector<ErrorResult>& results);
 
+/// The rays of `results` that were answered otherwise than exactly, as far as they are kept: a line for each.
+std::string difference_lines(const std::vector<ErrorResult>& results);
+
 /// Names of the columns of hard_row.
 std::string hard_heading();
 

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gmp.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -136,6 +137,19 @@ class Records : public TemporaryFolderTest {
     const Outcome run = stbvh_ab(arguments + " --json " + at("records.json"));
     EXPECT_EQ(run.exit_code, 0) << run.out;
     return nlohmann::json::parse(read_file(at("records.json"))).at("records");
+  }
+
+  /// A folded strip of 20 quads that slides along itself, in two OBJ files.
+  void write_sliding_strip() const {
+    constexpr int kQuads = 20;
+    for (const int step : {0, 1}) {
+      std::string text;
+      for (int i = 0; i <= kQuads; ++i)
+        text += fmt::format("v {0} 0 {1}\nv {0} 9 {1}\n", i + 5 * step, i % 2);
+      for (int i = 0; i < kQuads; ++i)
+        text += fmt::format("f {} {} {} {}\n", 2 * i + 1, 2 * i + 3, 2 * i + 4, 2 * i + 2);
+      write(fmt::format("strip_{}.obj", step), text);
+    }
   }
 };
 
@@ -354,6 +368,30 @@ TEST_F(Records, OfErrorFindNoneInOurs) {
     EXPECT_EQ(r["false_hits"], 0);
     EXPECT_EQ(r["wrong_primitive"], 0);
   }
+}
+
+TEST_F(Records, OfErrorNameTheFilesFacesBesidePrimitives) {
+  write_sliding_strip();
+  // Two trees that stand still are wrong for all times but two.
+  std::size_t hits = 0;
+  for (const auto& record : records("error --scenes " + at("strip_%d.obj") +
+                                    " --structures separate-2 --rays uniform,shadow --count 200")) {
+    const bool is_shadow = record.at("rays") == "shadow";
+    EXPECT_FALSE(record.at("differences").empty());
+    for (const auto& difference : record.at("differences")) {
+      EXPECT_LT(difference.at("ray"), record.at("traced"));
+      EXPECT_EQ(difference.at("tfar").is_number(), is_shadow);  // infinite for the others
+      for (const auto& answer : {difference.at("reported"), difference.at("exact")}) {
+        if (answer.empty()) continue;  // nothing, or something
+        EXPECT_FALSE(is_shadow);
+        EXPECT_EQ(answer.at("face"), answer.at("primitive").get<int>() / 2);
+        EXPECT_EQ(answer.at("mesh"), 0);
+        EXPECT_GT(answer.at("t"), 0);
+        ++hits;
+      }
+    }
+  }
+  EXPECT_GT(hits, 0u);
 }
 
 TEST_F(Records, OfHardHoldEveryFamilyAndStructure) {

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""How far what read_shot.py handed over is from what the libraries say, of the diagonal: usd-core evaluates at 50 times,
-alembic3d has samples.
+"""How far what read_shot.py handed over is from what the libraries say at 50 times, of the diagonal: usd-core evaluates,
+alembic3d finds the samples around a time.
 
-Usage: shot_truth.py FILE HANDOVER, with the Python of the shots. Prints the share, and how many meshes were compared.
+Usage: shot_truth.py FILE HANDOVER [A,B], with the Python of the shots; A,B: the shutter of an Alembic file.
+Prints the share, and how many meshes were compared.
 It finds its way through the stage by the names of the meshes, and shares no code with the reader.
 """
 import re
@@ -69,38 +70,45 @@ def true_points(stage, name, time):
 
 
 class Archive:
-    """At the samples of its points and transforms, which have the same times."""
-
     def __init__(self, file):
         from alembic3d import Abc, AbcGeom
         self.archive, self.at, self.geom = Abc.IArchive(file), Abc.ISampleSelector, AbcGeom
         self.wrap = Abc.WrapExistingFlag.kWrapExisting
         self.begin, self.end = Abc.GetArchiveStartAndEndTime(self.archive)
 
+    def around(self, schema, time, value):
+        """`value` of the samples before and after `time`, with the time of the first and where between the two `time` is."""
+        sampling, count = schema.getTimeSampling(), schema.getNumSamples()
+        begin, end = (sampling.getSampleTime(find(time, count)) for find in (sampling.getFloorIndex, sampling.getCeilIndex))
+        part = (time - begin) / (end - begin) if begin < time < end else 0.0
+        first, last = (np.array(value(schema.getValue(self.at(t))), float) for t in (begin, end))
+        return first, last, begin, part
+
     def points(self, name, time):
         found, matrix = self.archive.getTop(), np.eye(4)
         for part in name.strip("/").split("/"):
             found = found.getChild(part)
             if self.geom.IXform.matches(found.getHeader()):
-                local = self.geom.IXform(found, self.wrap).getSchema().getValue(self.at(time)).getMatrix()
-                matrix = np.array([list(row) for row in local]) @ matrix
-        points = np.array(self.geom.IPolyMesh(found, self.wrap).getSchema().getValue(self.at(time)).getPositions(), float)
+                schema = self.geom.IXform(found, self.wrap).getSchema()
+                first, last, _, f = self.around(schema, time, lambda value: [list(row) for row in value.getMatrix()])
+                matrix = (first * (1 - f) + last * f) @ matrix
+        mesh = self.geom.IPolyMesh(found, self.wrap).getSchema()
+        first, last, begin, f = self.around(mesh, time, lambda value: value.getPositions())
+        if mesh.getVelocitiesProperty().valid():
+            points = first + (time - begin) * np.array(mesh.getValue(self.at(begin)).getVelocities(), float)
+        else:
+            points = first * (1 - f) + last * f
         return points @ matrix[:3, :3] + matrix[3, :3]
-
-    def sample_times(self):
-        count = max(self.archive.getMaxNumSamplesForTimeSamplingIndex(i) for i in range(self.archive.getNumTimeSamplings()))
-        sampling = self.archive.getTimeSampling(self.archive.getNumTimeSamplings() - 1)
-        return [sampling.getSampleTime(i) for i in range(count)]
 
 
 def alembic_main():
     archive = Archive(sys.argv[1])
+    begin, end = map(float, sys.argv[3].split(",")) if len(sys.argv) > 3 else (archive.begin, archive.end)
     worst, low, high, records = 0.0, np.full(3, np.inf), np.full(3, -np.inf), list(map(read_mesh, mesh_records(sys.argv[2])))
-    for time in archive.sample_times():
-        length = archive.end - archive.begin
+    for i in range(50):
+        ray_time = (i + 0.382) / 50
         for name, times, steps in records:
-            truth = archive.points(name, time)
-            ray_time = min(float(np.float32((time - archive.begin) / length)), 1.0) if length > 0 else 0.0
+            truth = archive.points(name, begin + ray_time * (end - begin))
             worst = max(worst, np.linalg.norm(handed_over(times, steps, ray_time) - truth, axis=1).max())
             low, high = np.minimum(low, truth.min(axis=0)), np.maximum(high, truth.max(axis=0))
     print(worst / np.linalg.norm(high - low), len(records))

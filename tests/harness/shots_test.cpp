@@ -3,97 +3,33 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "harness/images/exr_file.h"
-#include "harness/program/shot_reader.h"
 #include "harness/scenes/shots/shot.h"
+#include "harness/structures/structure_under_test.h"
 #include "tests/harness/run_stbvh_ab.h"
+#include "tests/harness/shot_files.h"
 #include "tests/harness/temporary_folder.h"
 
 namespace stbvh::harness {
 namespace {
 
-const std::string kSource = STBVH_SOURCE_DIR;
-const std::string kScripts = kSource + "/harness/scenes/shots";
-
-std::string in_quotes(const fs::path& path) {
-  return "'" + path.string() + "'";
-}
-
-/// Interpreter of the shots, made if need be; empty where that cannot be.
-std::string shots_python() {
-  const Outcome run = run_command(
-      fmt::format("/usr/bin/python3 -B -c 'import sys; sys.path.insert(0, \"{}\"); import shot_environment; "
-                  "print(shot_environment.ensure())' 2>/dev/null",
-                  kScripts));
-  return run.exit_code == 0 ? run.out.substr(0, run.out.find('\n')) : "";
-}
-
-class ShotsTest : public TemporaryFolderTest {
- protected:
-  void SetUp() override {
-    if (python_.empty()) GTEST_SKIP() << "the Python environment that reads shots cannot be made";
-  }
-
-  static fs::path data(const std::string& name) { return fs::path(kSource) / "data" / name; }
-
-  /// Writes down what the library is told in Python, for files that are not text.
-  void run_python(const std::string& script) const {
-    const Outcome run =
-        run_command(in_quotes(python_) + " -B " + in_quotes(write("script.py", script)) + " 2>&1");
-    ASSERT_EQ(run.exit_code, 0) << run.out;
-  }
-
-  Scene load(const fs::path& file, const ShotOptions& options = {}) {
-    return read_shot(file.string(), options, [this](const std::string& line) { warnings.push_back(line); });
-  }
-
-  bool is_warned_of(const std::string& words) const {
-    return std::ranges::any_of(
-        warnings, [&](const std::string& line) { return line.find(words) != std::string::npos; });
-  }
-
-  std::vector<std::string> warnings;
-  const std::string python_ = shots_python();
-};
-
-const Mesh* find_mesh(const Scene& scene, const std::string& name) {
-  const auto found = std::ranges::find(scene.meshes, name, &Mesh::name);
-  return found == scene.meshes.end() ? nullptr : &*found;
-}
-
-/// Of the files that others made: next to the repository, as it stands in the sources' folder or in a
-/// worktree of it.
-fs::path shared_shots() {
-  for (const char* folder : {"/../shared/assets/shots", "/../../shared/assets/shots"}) {
-    if (fs::exists(kSource + folder)) return kSource + folder;
-  }
-  return {};
-}
-
-std::vector<fs::path> files_in(const fs::path& folder) {
-  std::vector<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    if (is_shot_name(entry.path().string())) files.push_back(entry.path());
-  }
-  std::ranges::sort(files);
-  return files;
-}
-
-/// A refusal, behind what the program says that it is doing.
-void expect_one_line(Outcome run, const std::string& file) {
-  if (run.out.starts_with("[")) run.out.erase(0, run.out.find('\n') + 1);
-  expect_refusal(run, file);
-}
-
-/// Positions at 50 times, against usd-core's own evaluation.
-void expect_true_positions(const std::string& python, const fs::path& folder, const fs::path& file) {
+/// Positions at 50 times, against the libraries' own evaluation; `shutter`, in seconds, of Alembic files
+/// alone.
+void expect_true_positions(const std::string& python, const fs::path& folder, const fs::path& file,
+                           const std::string& shutter = "") {
   const Outcome run = run_command(fmt::format(
-      "exec 7>{0}/handover && {1} -B {2}/read_shot.py -- {3} 7 && {4} -B {5}/tests/harness/shot_truth.py "
-      "{3} {0}/handover 2>&1 | tail -1",
-      folder.string(), "/usr/bin/python3", kScripts, in_quotes(file), python, kSource));
+      "exec 7>{0}/handover && {1} -B {2}/read_shot.py {6} -- {3} 7 && {4} -B {5}/tests/harness/shot_truth.py "
+      "{3} {0}/handover {7} 2>&1 | tail -1",
+      folder.string(), "/usr/bin/python3", kScripts, in_quotes(file), python, kSource,
+      shutter.empty() ? "" : fmt::format("--shutter={}", shutter), shutter));
   double share = 1;
   int meshes = 0;
   ASSERT_EQ(std::sscanf(run.out.c_str(), "%lf %d", &share, &meshes), 2) << file << ": " << run.out;
@@ -102,14 +38,18 @@ void expect_true_positions(const std::string& python, const fs::path& folder, co
 }
 
 TEST_F(ShotsTest, PositionsAreThoseOfUsdCore) {
-  for (const char* name : {"turning_bar", "nested_instances", "blend_shape", "velocities"})
+  for (const char* name : {"turning_bar", "nested_instances", "blend_shape", "velocities", "tumbling_puppet"})
     expect_true_positions(python_, folder, data(fmt::format("{}.usda", name)));
 }
 
 TEST_F(ShotsTest, PositionsOfOthersFilesAreThoseOfTheLibraries) {
   const fs::path shots = shared_shots();
   if (shots.empty()) GTEST_SKIP() << "../shared is not there";
-  for (const fs::path& file : files_in(shots)) expect_true_positions(python_, folder, file);
+  for (const fs::path& file : files_in(shots)) {
+    expect_true_positions(python_, folder, file);
+    // Of a single sample that has velocities, too.
+    if (file.extension() == ".abc") expect_true_positions(python_, folder, file, "0.03,0.17");
+  }
 }
 
 TEST_F(ShotsTest, StepsAreTheFilesOwnAndUneven) {
@@ -237,55 +177,63 @@ TEST_F(ShotsTest, FramesAreTimeCodesOfAUsdFile) {
   EXPECT_EQ(places({6, 12, true}, cube), places({0.25, 0.5}, cube));
 }
 
-TEST_F(ShotsTest, OursAreRightOverAllOfThem) {
-  std::string files;
-  for (const fs::path& file : files_in(fs::path(kSource) / "data")) files += "," + file.string();
+/// Ours and those of others.
+std::vector<std::string> all_files() {
+  std::vector<std::string> files;
+  for (const fs::path& file : files_in(fs::path(kSource) / "data")) files.push_back(file.string());
   if (const fs::path shots = shared_shots(); !shots.empty()) {
-    for (const fs::path& file : files_in(shots)) files += "," + file.string();
+    for (const fs::path& file : files_in(shots)) files.push_back(file.string());
   }
+  return files;
+}
+
+std::string all_files_listed() {
+  return fmt::format("{}", fmt::join(all_files(), ","));
+}
+
+TEST_F(ShotsTest, OursAreRightOverAllOfThem) {
   const Outcome run =
-      stbvh_ab("error --scenes " + files.substr(1) + " --structures stbvh,stbvh-direct --count 2000");
+      stbvh_ab("error --scenes " + all_files_listed() + " --structures stbvh,stbvh-direct --count 2000");
   EXPECT_EQ(run.exit_code, 0) << run.out;
 }
 
-TEST_F(ShotsTest, MalformedFilesAreOneLine) {
-  const fs::path shots = shared_shots();
-  if (shots.empty()) GTEST_SKIP() << "../shared is not there";
-  for (const fs::path& file : files_in(shots / "malformed"))
-    expect_one_line(stbvh_ab("convert " + file.string() + " -o " + at("out.xml")), file.filename().string());
-  const std::string whole = read_file(shots / "animatedCube.abc");
-  for (const std::size_t bytes : {0ul, 5ul, 16ul, 1000ul, whole.size() / 2, whole.size() - 100}) {
-    const fs::path cut = write("cut.abc", whole.substr(0, bytes));
-    expect_one_line(stbvh_ab("convert " + cut.string() + " -o " + at("out.xml")), "cut.abc");
+TEST_F(ShotsTest, EveryStructureThatTakesTheirStepsIsCompared) {
+  std::set<std::string> scenes;
+  for (const char* const command : {"bench --repeats 1", "error"}) {
+    const Outcome run =
+        stbvh_ab(fmt::format("{} --scenes {} --structures all --rays uniform --count 100 --json {}", command,
+                             all_files_listed(), at("records.json")));
+    EXPECT_EQ(run.exit_code, 0) << run.out;
+    EXPECT_NE(run.out.find("embree left out: Embree takes equidistant steps, 129 at most"),
+              std::string::npos);
+    std::map<std::string, std::set<std::string>> structures;  // of each scene
+    const auto file = nlohmann::json::parse(read_file(at("records.json")));
+    for (const auto& record : file.at("records")) {
+      if (record.at("kind") == "speed" || record.at("kind") == "error")
+        structures[record.at("scene")].insert(record.at("structure"));
+    }
+    EXPECT_EQ(structures.size(), all_files().size());
+    for (const auto& [scene, names] : structures) {
+      for (const std::string_view name : structure_names()) {
+        EXPECT_TRUE(names.contains(std::string(name)) || !name.starts_with("stbvh")) << scene << ": " << name;
+      }
+    }
   }
 }
 
-TEST_F(ShotsTest, CutUsdIsOneLine) {
-  run_python(fmt::format("from pxr import Usd\nUsd.Stage.Open('{}').Export('{}')\n",
-                         data("turning_bar.usda").string(), at("whole.usdc")));
-  const std::string whole = read_file(at("whole.usdc"));
-  EXPECT_GT(load(at("whole.usdc")).meshes.size(), 0u);
-  for (const std::size_t bytes : {0ul, 5ul, 88ul, whole.size() / 2, whole.size() - 100})
-    expect_one_line(
-        stbvh_ab("convert " + write("cut.usdc", whole.substr(0, bytes)).string() + " -o " + at("out.xml")),
-        "cut.usdc");
-  const std::string text = read_file(data("turning_bar.usda"));
-  expect_one_line(
-      stbvh_ab("convert " + write("cut.usda", text.substr(0, 1000)).string() + " -o " + at("out.xml")),
-      "cut.usda");
+TEST_F(ShotsTest, ResampledTheyAreEmbreesToo) {
+  const Outcome run =
+      stbvh_ab(fmt::format("error --scenes {} --structures embree,stbvh --rays uniform --count 500 "
+                           "--resample-steps 129 --json {}",
+                           all_files_listed(), at("records.json")));
+  EXPECT_EQ(run.exit_code, 0) << run.out;
+  const auto records = nlohmann::json::parse(read_file(at("records.json"))).at("records");
+  EXPECT_EQ(records.size(), 2 * all_files().size());
 }
 
-TEST_F(ShotsTest, ReferencesThatCannotBeFollowedLoseNothingElse) {
-  const fs::path file = write("shot.usda", R"(#usda 1.0
-def "One" (references = </Two>)
-{
-}
-def "Two" (references = </One>)
-{
-}
-def "Missing" (references = @nowhere.usd@)
-{
-}
+TEST_F(ShotsTest, ACameraThatSomebodyMadeComesBeforeMayas) {
+  const auto file = [this](const std::string& names) {
+    std::string text = R"(#usda 1.0
 def Mesh "Shown"
 {
     uniform token subdivisionScheme = "none"
@@ -293,87 +241,23 @@ def Mesh "Shown"
     int[] faceVertexIndices = [0, 1, 2]
     point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
 }
-)");
-  EXPECT_EQ(load(file).meshes.size(), 1u);
-  EXPECT_TRUE(is_warned_of("nowhere.usd"));
-  EXPECT_TRUE(is_warned_of("Cycle"));
-}
-
-TEST_F(ShotsTest, MoreSamplesThanAMeshHasSteps) {
-  run_python(fmt::format(R"(from pxr import Usd, UsdGeom, Vt
-stage = Usd.Stage.CreateNew('{}')
-mesh = UsdGeom.Mesh.Define(stage, '/Many')
-mesh.CreateFaceVertexCountsAttr([3])
-mesh.CreateFaceVertexIndicesAttr([0, 1, 2])
-mesh.CreatePointsAttr([(0, 0, 0), (1, 0, 0), (0, 1, 0)])
-op = mesh.AddTranslateOp()
-for time in range(10000):
-    op.Set((time * 1e-4, (time % 7) * 0.01, 0), time)
-stage.Save()
-)",
-                         at("many.usdc")));
-  const Scene scene = load(at("many.usdc"));
-  EXPECT_LE(scene.meshes.at(0).steps.size(), kMaxSteps);
-  EXPECT_TRUE(is_warned_of("of the diagonal from its motion"));
-}
-
-TEST_F(ShotsTest, WithoutNetworkOneSentenceAndNothingLeft) {
-  fs::copy(kScripts, folder / "shots");
-  const Outcome run = run_command(fmt::format(
-      "cd {0} && exec 7>handover && PIP_INDEX_URL=http://127.0.0.1:9/simple PIP_CONFIG_FILE=/dev/null "
-      "XDG_CACHE_HOME={0}/cache /usr/bin/python3 -B shots/read_shot.py -- {1} 7 2>/dev/null && strings "
-      "handover",
-      folder.string(), in_quotes(data("turning_bar.usda"))));
-  EXPECT_NE(run.out.find("is there a network?"), std::string::npos) << run.out;
-  for (const auto& entry : fs::directory_iterator(folder / "cache/stbvh"))
-    EXPECT_EQ(entry.path().extension(), ".lock") << entry.path();
-}
-
-TEST_F(ShotsTest, AReaderThatCrashesLosesNothingThatWasRead) {
-  const Outcome run =
-      run_command(fmt::format("exec 7>{}/handover && /usr/bin/python3 -B {}/read_shot.py -- {} 7",
-                              folder.string(), kScripts, in_quotes(data("velocities.usda"))));
-  ASSERT_EQ(run.exit_code, 0);
-  const std::string whole = read_file(folder / "handover");
-  const fs::path part = write("part", whole.substr(0, whole.size() - 200));
-  const auto warn = [this](const std::string& line) { warnings.push_back(line); };
-  EXPECT_GT(load_shot(part, "shot.abc", "crashes the library that reads it", warn).meshes.size(), 0u);
-  EXPECT_TRUE(is_warned_of("it crashes the library that reads it; what was read before is shown"));
-  const fs::path nothing = write("nothing", "");
-  EXPECT_THROW(load_shot(nothing, "shot.abc", "crashes the library that reads it", warn), SceneFileError);
-}
-
-/// Each byte of a mesh's head, changed: refused or read, whatever it says.
-TEST(ShotRecords, CountsAreHeldAgainstTheSize) {
-  const TemporaryFolder owner;
-  std::string record("STBVSHT1");
-  const auto number = [&](std::uint64_t value, std::size_t bytes) {
-    record.append(reinterpret_cast<const char*>(&value), bytes);
-  };
-  const std::string positions(36, '\0'), floats(24, '\0');
-  number(1, 8);                                                    // a mesh
-  number(16 + 7 * 8 + 24 + 1 + 4 + 12 + 36, 8);                    // bytes
-  for (const unsigned value : {1u, 0u, 0u, 0u}) number(value, 4);  // name, scheme, boundary
-  for (const unsigned value : {3u, 1u, 3u, 1u, 0u, 0u, 0u}) number(value, 8);
-  record += floats + "m";
-  for (const unsigned value : {3u, 0u, 1u, 2u}) number(value, 4);
-  record += positions;
-  number(0, 8);
-  number(0, 8);
-  const fs::path file = owner.path() / "handover";
-  std::size_t read = 0;
-  for (std::size_t i = 8; i < record.size(); ++i) {
-    for (const char bits : {'\x01', '\x80', '\xFF'}) {
-      std::string changed = record;
-      changed[i] = static_cast<char>(changed[i] ^ bits);
-      std::ofstream(file, std::ios::binary) << changed;
-      try {
-        read += load_shot(file, "m", "", {}).meshes.size();
-      } catch (const SceneFileError&) {
-      }
+)";
+    double x = 0;
+    for (const char letter : names) {
+      const std::string name = letter == 'f' ? "front" : letter == 'p' ? "persp" : "shotCam";
+      text += fmt::format(
+          "def Camera \"{}\"\n{{\n    double3 xformOp:translate = ({}, 0, 300)\n    uniform "
+          "token[] xformOpOrder = [\"xformOp:translate\"]\n}}\n",
+          name, 100 * ++x);
     }
-  }
-  EXPECT_GT(read, 0u);
+    return write("cameras.usda", text);
+  };
+  EXPECT_EQ(load(file("fps")).camera.position.x, 3);  // in meters
+  EXPECT_EQ(load(file("fp")).camera.position.x, 2);
+  EXPECT_EQ(load(file("f")).camera.position.x, 1);
+  EXPECT_EQ(load(file("sf")).camera.position.x, 1);
+  if (shared_shots().empty()) GTEST_SKIP() << "../shared is not there";
+  EXPECT_LT(load(shared_shots() / "animatedCube.abc").camera.position.z, 5);  // not "front", at 100.1
 }
 
 }  // namespace

@@ -206,6 +206,7 @@ class Archive:
 def write_camera(out, cameras, shutter, steps, notes):
     if not cameras:
         return
+    cameras = shot_writer.chosen_first(cameras, lambda camera: camera[0])
     for name, _, _ in cameras[1:]:
         notes.add("cameras but the first are left out", name)
     _, schema, place = cameras[0]

@@ -6,6 +6,7 @@ from shot_notes import Notes
 from shot_steps import Motion, Shutter, just_before, spans
 
 MOST_MESHES = 1_000_000
+MAYAS_VIEWS = ("persp", "front", "side", "top")  # in every file of its, beside the cameras that somebody made
 GREY = (0.7, 0.7, 0.7, 0, 0, 0)  # reflectance and emission
 
 
@@ -103,6 +104,15 @@ def write_items(out, notes, items, shutter, share):
             share_off = deviation / tolerance * share
             notes.add(f"up to {share_off:.2g} of the diagonal from its motion, and more steps cannot be had or do not help",
                       item.name)
+
+
+def chosen_first(cameras, path_of):
+    """As they are, but Maya's own views come last: three of them see what is there from a hundred units away."""
+    def rank(camera):
+        name = path_of(camera).rpartition("/")[2].removesuffix("Shape")
+        return MAYAS_VIEWS.index(name) + 1 if name in MAYAS_VIEWS else 0
+
+    return sorted(cameras, key=rank)
 
 
 def write_camera(out, shutter, steps, view_at):

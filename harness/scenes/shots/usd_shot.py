@@ -412,8 +412,9 @@ def read(file, out, asked, share):
     world = World(found.correction)
     found.visit(stage.GetPseudoRoot(), world, "")
     rate = stage.GetTimeCodesPerSecond() or 24.0
-    shutter = shot_writer.find_shutter(asked.in_time(rate, 1.0), found.items, stage_range(stage, found.cameras))
-    write_camera(out, found.cameras, shutter, asked.camera_steps, world, notes)
+    cameras = shot_writer.chosen_first(found.cameras, lambda prim: str(prim.GetPath()))
+    shutter = shot_writer.find_shutter(asked.in_time(rate, 1.0), found.items, stage_range(stage, cameras))
+    write_camera(out, cameras, shutter, asked.camera_steps, world, notes)
     write_lights(out, found.lights, shutter, world, notes)
     shot_writer.write_items(out, notes, found.items, shutter, share)
     notes.hand_over(out)
