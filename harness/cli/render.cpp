@@ -2,13 +2,21 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
 #include <set>
+#include <utility>
+#include <vector>
 
 #include "harness/cli/commands.h"
 #include "harness/cli/render_options.h"
 #include "harness/cli/report_pictures.h"
+#include "harness/cli/shot_film.h"
+#include "harness/cli/shot_frames.h"
 #include "harness/images/exr_file.h"
 #include "harness/images/png_file.h"
 #include "harness/images/tone_map.h"
@@ -34,35 +42,55 @@ fs::path png_beside(fs::path file) {
   return file.replace_extension(".png");
 }
 
-/// The file of each scene and structure, which can be written as things stand.
+/// The file of each picture, which can be written as things stand.
 class Outputs {
  public:
-  Outputs(const RenderOptions& options, const std::vector<SceneSource>& sources) : output_(options.output) {
+  Outputs(const RenderOptions& options, const std::vector<SceneSource>& sources)
+      : output_(options.output), strip_(options.settings.strip) {
+    const std::vector<int>& frames = options.frames.numbers;
     std::error_code error;
-    is_folder_ = sources.size() * options.structures.size() > 1 || fs::is_directory(output_, error);
+    is_folder_ =
+        sources.size() * options.structures.size() > 1 || !frames.empty() || fs::is_directory(output_, error);
     if (is_folder_) make_folder(output_);
     std::set<fs::path> all;
+    const auto check = [&](const fs::path& path) {
+      if (!all.insert(path).second)
+        throw UsageError(fmt::format("Two pictures would be written to \"{}\".", path.string()));
+      if (options.png && png_beside(path) == path)
+        throw UsageError(fmt::format("\"{}\" is the OpenEXR file: it cannot end in .png.", path.string()));
+    };
     for (const SceneSource& source : sources) {
       for (const std::string& structure : options.structures) {
-        const fs::path path = file(source.name, structure);
-        if (!all.insert(path).second) {
-          throw UsageError(fmt::format("Two pictures would be written to \"{}\".", path.string()));
-        }
-        if (options.png && png_beside(path) == path) {
-          throw UsageError(fmt::format("\"{}\" is the OpenEXR file: it cannot end in .png.", path.string()));
-        }
-        check_writable(path);
-        if (options.png) check_writable(png_beside(path));
+        for (const int frame : frames) check(file(source.name, structure, frame));
+        if (frames.empty()) check(file(source.name, structure, std::nullopt));
+        const fs::path first =
+            file(source.name, structure, frames.empty() ? std::nullopt : std::optional(frames.front()));
+        check_writable(first);
+        if (options.png) check_writable(png_beside(first));
       }
     }
   }
 
-  fs::path file(const std::string& scene, const std::string& structure) const {
-    return is_folder_ ? output_ / fmt::format("{}-{}.exr", scene, structure) : output_;
+  fs::path file(const std::string& scene, const std::string& structure, std::optional<int> frame) const {
+    if (!is_folder_) return output_;
+    return output_ / named(scene, structure, frame ? fmt::format(".{:04}", *frame) : "");
+  }
+  /// Of the files of all frames.
+  fs::path pattern(const std::string& scene, const std::string& structure) const {
+    return output_ / named(scene, structure, ".*");
+  }
+  fs::path film(const std::string& scene, const std::string& structure) const {
+    return output_ / fmt::format("{}-{}.mp4", scene, structure);
   }
 
  private:
+  std::string named(const std::string& scene, const std::string& structure, const std::string& frame) const {
+    const std::string tile = strip_.count > 1 ? fmt::format(".{}of{}", strip_.index + 1, strip_.count) : "";
+    return fmt::format("{}-{}{}{}.exr", scene, structure, frame, tile);
+  }
+
   fs::path output_;
+  Strip strip_;
   bool is_folder_;
 };
 
@@ -120,55 +148,214 @@ bool is_finished(const fs::path& file, const Metadata& making, const Strip& stri
   return false;
 }
 
-/// Renders one picture and writes it.
-void make_picture(const RenderOptions& options, const Scene& scene, const std::string& hash,
-                  const std::string& structure_name, const fs::path& file, Progress& progress) {
-  const std::string label = fmt::format("{}, {}", scene.name, structure_name);
-  RenderSettings settings = options.settings;
-  settings.seed = options.seed;
-  settings.camera = chosen_camera(options.camera, scene.camera);
-  Metadata making = making_metadata(settings, scene, hash, structure_name, options.environment);
-  if (options.resume) {
-    progress.clear();
-    if (is_finished(file, making, settings.strip)) {
-      fmt::print("{}: finished before\n", file.string());
-      return;
+/// What is told of the pictures of a scene through one structure.
+struct Tally {
+  std::size_t pictures = 0, finished_before = 0;
+  double build_s = 0;
+  std::size_t most_bytes = 0;  ///< of a structure
+  double seconds = 0;
+  std::uint64_t rays = 0;
+};
+
+/// The scenes of `options`; those without frames are refused where frames are asked for.
+std::vector<SceneSource> find_pictured_scenes(const RenderOptions& options) {
+  std::vector<SceneSource> sources;
+  const MakingOptions making = takes_of(options.frames, options, options.settings.shutter).front().making;
+  for (const std::string& scene : options.scenes) sources.push_back(find_scene(scene, making));
+  return sources;
+}
+
+class RenderRun {
+ public:
+  explicit RenderRun(const RenderOptions& options)
+      : options_(options), outputs_(options, find_pictured_scenes(options)) {
+    if (!options.environment.empty()) environment_ = read_environment(options.environment);
+    check_outputs(options);
+    left_ = options.scenes.size() * options.structures.size() *
+            std::max<std::size_t>(options.frames.numbers.size(), 1);
+  }
+
+  void run() {
+    for (const std::string& scene : options_.scenes) render_scene(scene);
+    write_records(options_, report_);
+    if (not_finite_ > 0) {
+      throw std::runtime_error(fmt::format("{} samples of \"{}\"{} were NaN or infinite and are left out.",
+                                           not_finite_, not_finite_file_.string(),
+                                           not_finite_files_ > 1 ? " and others" : ""));
     }
   }
-  progress.stage(label + ": building");
-  std::unique_ptr<StructureUnderTest> structure;
-  try {
-    structure = build_structure(structure_name, scene, options.settings.threads);
-  } catch (const OverLimit& limit) {
-    throw UsageError(fmt::format("--max-bytes: {} over {}: {}.", structure_name, scene.name, limit.what()));
+
+ private:
+  bool has_frames() const { return !options_.frames.numbers.empty(); }
+
+  void render_scene(const std::string& asked) {
+    MakingOptions making = options_;
+    making.warn = [told = std::make_shared<std::set<std::string>>()](const std::string& sentence) {
+      if (told->insert(sentence).second) print_warning(sentence);  // not for each frame again
+    };
+    std::vector<std::string> structures = options_.structures;
+    std::map<std::string, Tally> tallies;
+    std::string name;
+    framing_.reset();
+    for (const Take& take : takes_of(options_.frames, making, options_.settings.shutter)) {
+      const SceneSource source = find_scene(asked, take.making);
+      progress_.stage(fmt::format("{}: making the scene", source.name));
+      Scene scene = source.load();
+      name = scene.name;
+      if (environment_) scene.environment = environment_;
+      if (has_frames() && scene.is_framed) scene.camera = framing(asked, making);
+      structures = structures_that_fit(structures, scene, "");
+      render_take(take, scene, structures, tallies);
+    }
+    if (!has_frames()) return;
+    for (const auto& [structure, tally] : tallies) finish_shot(name, structure, tally);
   }
-  const auto start = std::chrono::steady_clock::now();
-  double done = 0;
-  const auto show = [&](double fraction) {
-    const double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    done = fraction;
-    progress.stage(fmt::format("{}: rendering, {:.0f} %, {:.0f} s left", label, 100 * fraction,
-                               passed * (1 - fraction) / fraction));
-  };
-  const Interruption interruption;
-  Rendering rendering = render(scene, *structure, settings, show, &interruption.flag());
-  progress.clear();
-  rendering.image.metadata = std::move(making);
-  add_outcome(settings, rendering);
-  write_exr(rendering.image, file);
-  if (options.png) write_png(tone_mapped(rendering.image), png_beside(file));
-  if (!rendering.is_complete) {
-    throw Interrupted(
-        fmt::format("Interrupted: \"{}\" holds {:.0f} % of the picture.", file.string(), 100 * done));
+
+  /// One place to see all frames from, whichever of them are rendered here.
+  Camera framing(const std::string& asked, const MakingOptions& making) {
+    if (!framing_) framing_ = find_scene(asked, whole_file(making)).load().camera;
+    return *framing_;
   }
-  fmt::print("{} ({:.1f} s, {:.2f} million rays a second)\n", file.string(), rendering.seconds,
-             static_cast<double>(rendering.rays) / 1e6 / rendering.seconds);
-  std::fflush(stdout);
-  if (rendering.not_finite > 0) {
-    throw std::runtime_error(fmt::format("{} samples of \"{}\" were NaN or infinite and are left out.",
-                                         rendering.not_finite, file.string()));
+
+  void render_take(const Take& take, const Scene& scene, const std::vector<std::string>& structures,
+                   std::map<std::string, Tally>& tallies) {
+    const std::string hash = scene_hash(scene);
+    std::map<std::optional<int>, std::vector<RenderFile>> files;
+    for (const std::string& name : structures) {
+      std::unique_ptr<StructureUnderTest> structure;
+      for (const Frame& frame : take.frames) {
+        const fs::path file = outputs_.file(scene.name, name, frame.number);
+        const std::string shown =
+            frame.number ? fmt::format("{}.{:04}", scene.name, *frame.number) : scene.name;
+        files[frame.number].push_back({shown, name, file});
+        make_picture(scene, hash, name, frame, file, structure, tallies[name]);
+      }
+    }
+    if (!options_.json) return;
+    for (const auto& [frame, of_frame] : files) {
+      const std::vector<RenderResult> shown = show_renderings(of_frame, of_frame.front().path.parent_path());
+      report_.renders.insert(report_.renders.end(), shown.begin(), shown.end());
+    }
   }
-}
+
+  /// Renders one picture and writes it, unless it is there. Builds `structure` when it is first needed.
+  void make_picture(const Scene& scene, const std::string& hash, const std::string& name, const Frame& frame,
+                    const fs::path& file, std::unique_ptr<StructureUnderTest>& structure, Tally& tally) {
+    RenderSettings settings = options_.settings;
+    settings.seed = options_.seed;
+    settings.shutter = frame.shutter;
+    settings.camera = chosen_camera(options_.camera, scene.camera);
+    Metadata making = making_metadata(settings, scene, hash, name, options_.environment);
+    if (frame.number) making.emplace_back("frame", fmt::format("{}", *frame.number));
+    ++tally.pictures;
+    --left_;
+    if (options_.resume) {
+      progress_.clear();
+      if (is_finished(file, making, settings.strip)) {
+        ++tally.finished_before;
+        if (!frame.number) fmt::print("{}: finished before\n", file.string());
+        if (options_.png && !fs::exists(png_beside(file)))
+          write_png(tone_mapped(read_exr(file)), png_beside(file));
+        return;
+      }
+    }
+    const std::string label = frame.number ? fmt::format("{}, {}, frame {}", scene.name, name, *frame.number)
+                                           : fmt::format("{}, {}", scene.name, name);
+    if (structure == nullptr) structure = build(scene, name, label, tally);
+    double done = 0;
+    const auto show = [&](double fraction) {
+      done = fraction;
+      progress_.stage(fmt::format("{}: rendering, {:.0f} %, {:.0f} s left", label, 100 * fraction,
+                                  seconds_left(fraction)));
+    };
+    const Interruption interruption;
+    Rendering rendering = render(scene, *structure, settings, show, &interruption.flag());
+    progress_.clear();
+    rendering.image.metadata = std::move(making);
+    add_outcome(settings, rendering);
+    write_exr(rendering.image, file);
+    if (options_.png) write_png(tone_mapped(rendering.image), png_beside(file));
+    if (!rendering.is_complete) {
+      throw Interrupted(
+          fmt::format("Interrupted: \"{}\" holds {:.0f} % of the picture.", file.string(), 100 * done));
+    }
+    ++made_;
+    tally.seconds += rendering.seconds;
+    tally.rays += rendering.rays;
+    if (!frame.number)
+      print_line("{} ({:.1f} s, {:.2f} million rays a second)\n", file.string(), rendering.seconds,
+                 mrays_per_s(rendering.rays, rendering.seconds));
+    note_not_finite(rendering.not_finite, file);
+  }
+
+  std::unique_ptr<StructureUnderTest> build(const Scene& scene, const std::string& name,
+                                            const std::string& label, Tally& tally) {
+    progress_.stage(label + ": building");
+    try {
+      auto structure = build_structure(name, scene, options_.settings.threads);
+      tally.build_s += structure->build_record().build_s;
+      tally.most_bytes = std::max(tally.most_bytes, structure->build_record().structure_bytes);
+      return structure;
+    } catch (const OverLimit& limit) {
+      throw UsageError(fmt::format("--max-bytes: {} over {}: {}.", name, scene.name, limit.what()));
+    }
+  }
+
+  /// Of all pictures, `fraction` of the present one being done; those that were there take no time.
+  double seconds_left(double fraction) const {
+    const double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    const double done = static_cast<double>(made_) + fraction;
+    return passed / done * (1 - fraction + static_cast<double>(left_));
+  }
+
+  void finish_shot(const std::string& scene, const std::string& structure, const Tally& tally) {
+    std::string line =
+        fmt::format("{}: {} frames", outputs_.pattern(scene, structure).string(), tally.pictures);
+    if (tally.finished_before > 0) line += fmt::format(", {} finished before", tally.finished_before);
+    if (tally.finished_before < tally.pictures)
+      line += fmt::format(
+          " (builds {:.2f} s, {:.1f} MB at most; rendering {:.1f} s, {:.2f} million rays a second)",
+          tally.build_s, static_cast<double>(tally.most_bytes) / 1e6, tally.seconds,
+          mrays_per_s(tally.rays, tally.seconds));
+    print_line("{}\n", line);
+    if (!options_.png || options_.settings.strip.count > 1) return;
+    std::vector<fs::path> pictures;
+    for (const int frame : options_.frames.numbers)
+      pictures.push_back(png_beside(outputs_.file(scene, structure, frame)));
+    const fs::path film = outputs_.film(scene, structure);
+    const double rate = options_.frames.rate > 0 ? options_.frames.rate : kFrameRate;
+    if (write_film(pictures, rate, film)) print_line("{}\n", film.string());
+  }
+
+  template <typename... Values>
+  void print_line(fmt::format_string<Values...> text, Values&&... values) {
+    progress_.clear();
+    fmt::print(text, std::forward<Values>(values)...);
+    std::fflush(stdout);
+  }
+
+  static double mrays_per_s(std::uint64_t rays, double seconds) {
+    return static_cast<double>(rays) / 1e6 / seconds;
+  }
+
+  void note_not_finite(std::size_t samples, const fs::path& file) {
+    if (samples == 0) return;
+    if (not_finite_files_ == 0) not_finite_file_ = file;
+    ++not_finite_files_;
+    not_finite_ += samples;
+  }
+
+  const RenderOptions& options_;
+  Outputs outputs_;
+  std::optional<Environment> environment_;
+  std::optional<Camera> framing_;  ///< of the scene in work
+  Report report_;
+  Progress progress_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  std::size_t made_ = 0, left_ = 0;  ///< pictures
+  std::size_t not_finite_ = 0, not_finite_files_ = 0;
+  fs::path not_finite_file_;
+};
 
 void run_render(const RenderOptions& options) {
   check_shutter_times(options.settings.shutter);
@@ -183,28 +370,7 @@ void run_render(const RenderOptions& options) {
                     static_cast<double>(rendering_bytes(options.settings)) / 1e9,
                     static_cast<double>(available_memory_bytes()) / 1e9));
   }
-  const std::vector<SceneSource> sources = find_scenes(options);
-  std::optional<Environment> environment;
-  if (!options.environment.empty()) environment = read_environment(options.environment);
-  const Outputs outputs(options, sources);
-  check_outputs(options);
-  Report report;
-  Progress progress;
-  for (const SceneSource& source : sources) {
-    progress.stage(fmt::format("{}: making the scene", source.name));
-    Scene scene = source.load();
-    if (environment) scene.environment = environment;
-    const std::string hash = scene_hash(scene);
-    std::vector<RenderFile> files;
-    for (const std::string& structure : structures_that_fit(options.structures, scene, "")) {
-      files.push_back({source.name, structure, outputs.file(source.name, structure)});
-      make_picture(options, scene, hash, structure, files.back().path, progress);
-    }
-    if (!options.json || files.empty()) continue;
-    const std::vector<RenderResult> shown = show_renderings(files, files.front().path.parent_path());
-    report.renders.insert(report.renders.end(), shown.begin(), shown.end());
-  }
-  write_records(options, report);
+  RenderRun(options).run();
 }
 
 }  // namespace

@@ -94,10 +94,14 @@ void add_lens_options(CLI::App& app, Lens& lens) {
 void add_options(CLI::App& app, RenderOptions& o) {
   add_scene_options(app, o);
   add_structures_option(app, o.structures, kStructure);
-  app.add_option("-o,--output", o.output,
-                 "OpenEXR file; for several scenes or structures a folder of SCENE-STRUCTURE.exr")
+  app.add_option(
+         "-o,--output", o.output,
+         "OpenEXR file; for several scenes or structures a folder of SCENE-STRUCTURE.exr, for frames of "
+         "SCENE-STRUCTURE.FRAME.exr")
       ->required();
-  app.add_flag("--png", o.png, "Beside each OpenEXR file a PNG to look at");
+  app.add_flag("--png", o.png,
+               "Beside each OpenEXR file a PNG to look at; of frames a film, where ffmpeg is");
+  add_frame_options(app, o.frames);
   app.add_flag(
       "--resume", o.resume,
       "Leave pictures as they are that are there already, whole, of the same scene, settings and commit");

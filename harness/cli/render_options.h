@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "harness/cli/shot_frames.h"
 #include "harness/path_tracer/render_settings.h"
 #include "harness/program/options.h"
 #include "harness/program/scene_options.h"
@@ -22,6 +23,7 @@ struct RenderOptions : SessionOptions {
   std::vector<std::string> structures;
   std::string output;  ///< a file, or a folder
   bool png = false;
+  FrameOptions frames;
   bool resume = false;      ///< pictures that are there already, whole and made alike, are not made again
   RenderSettings settings;  ///< but for the seed, which stands above, and the camera
   CameraOptions camera;

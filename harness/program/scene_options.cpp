@@ -54,11 +54,11 @@ MemoryBudget memory_budget(std::string_view text) {
   return {.bytes = static_cast<std::size_t>(*value), .share = {}};
 }
 
-TimeRange shutter(const std::string& text) {
+FilePart shutter_of(const std::string& text) {
   const auto [begin, end] = parse_pair(text, ',', "--shutter");
-  if (!(begin >= 0) || !(begin < end) || !std::isfinite(end))
-    throw UsageError(fmt::format("--shutter must be A,B with 0 <= A < B, not \"{}\".", text));
-  return {static_cast<float>(begin), static_cast<float>(end)};
+  if (!(begin <= end) || !std::isfinite(begin) || !std::isfinite(end))
+    throw UsageError(fmt::format("--shutter must be A,B with A <= B, not \"{}\".", text));
+  return {.begin = begin, .end = end};
 }
 
 ShutterMode shutter_mode(const std::string& name) {
@@ -156,7 +156,7 @@ void add_making_options(CLI::App& app, MakingOptions& m) {
   app.add_option("--gltf-scene", m.gltf.scene,
                  "glTF: name or number of the scene. Default: the file's own, or the first with a mesh");
   app.add_option_function<std::string>(
-      "--shutter", [&m](const auto& text) { m.gltf.shutter_seconds = shutter(text); },
+      "--shutter", [&m](const auto& text) { m.gltf.shutter = shutter_of(text); },
       "glTF, USD, Alembic: A,B, the part of the clip in seconds. Default: all of it");
   app.add_option_function<std::string>(
          "--shutter-mode", [&m](const auto& name) { m.gltf.shutter_mode = shutter_mode(name); },

@@ -29,6 +29,9 @@ struct Resampling {
   StepPlaces places = StepPlaces::kEquidistant;
 };
 
+/// A line on stderr for what a scene is shown without.
+void print_warning(const std::string& sentence);
+
 /// How scenes are made.
 struct MakingOptions {
   std::optional<double> scale;  ///< of built-in scenes; empty: each scene's default
@@ -38,6 +41,8 @@ struct MakingOptions {
   Resampling resampling;
   double tolerance = 0;    ///< of structures that can, of the scene's diagonal
   MemoryBudget max_bytes;  ///< of the same
+  /// Is told what of a file is left out.
+  SceneWarning warn = print_warning;
   /// Those of these options, and --scenes, that were given, for another command.
   std::vector<std::string> scene_words;
 };

@@ -37,9 +37,12 @@ bool is_embree_file(const std::string& name) {
   return extension_of(name) == ".xml" || extension_of(name) == ".ecs";
 }
 
+bool is_gltf_file(const std::string& name) {
+  return extension_of(name) == ".glb" || extension_of(name) == ".gltf";
+}
+
 bool is_file_name(const std::string& name) {
-  return extension_of(name) == ".glb" || extension_of(name) == ".gltf" || extension_of(name) == ".stbvh" ||
-         is_embree_file(name);
+  return is_gltf_file(name) || extension_of(name) == ".stbvh" || is_embree_file(name);
 }
 
 /// Before anything is printed or measured. What else is wrong with it, its reader says.
@@ -51,30 +54,32 @@ void check_reachable(const std::string& name) {
   if (error) throw UsageError(fmt::format("Cannot read \"{}\": {}.", name, error.message()));
 }
 
-SceneSource file_source(const std::string& name, const GltfOptions& gltf) {
+SceneSource file_source(const std::string& name, const MakingOptions& making) {
   check_reachable(name);
   const std::string stem = std::filesystem::path(name).stem().string();
   if (extension_of(name) == ".stbvh")
-    return {stem, [=] { return checked(load_saved(name, print_warning), stem); }};
+    return {stem, [=, warn = making.warn] { return checked(load_saved(name, warn), stem); }};
   if (is_embree_file(name))
-    return {stem, [=] { return checked(load_embree_xml(name, print_warning), stem); }};
-  return {stem, [=] { return checked(load_gltf(name, gltf, print_warning), stem); }};
+    return {stem, [=, warn = making.warn] { return checked(load_embree_xml(name, warn), stem); }};
+  return {stem,
+          [=, gltf = making.gltf, warn = making.warn] { return checked(load_gltf(name, gltf, warn), stem); }};
 }
 
-SceneSource obj_source(const std::string& name, std::size_t number_step) {
+SceneSource obj_source(const std::string& name, const MakingOptions& making) {
   const std::string scene_name = obj_scene_name(name);
-  for (const auto& file : find_obj_files(name, {}, number_step)) check_reachable(file.string());
-  return {scene_name, [=] { return checked(load_obj(name, print_warning, number_step), scene_name); }};
+  for (const auto& file : find_obj_files(name, {}, making.obj_step)) check_reachable(file.string());
+  return {scene_name, [=, step = making.obj_step, warn = making.warn] {
+            return checked(load_obj(name, warn, step), scene_name);
+          }};
 }
 
-SceneSource shot_source(const std::string& name, const GltfOptions& options) {
+SceneSource shot_source(const std::string& name, const MakingOptions& making) {
   check_reachable(name);
   const std::string stem = std::filesystem::path(name).stem().string();
-  ShotOptions shot;
-  if (options.shutter_seconds)
-    shot.shutter_seconds = {options.shutter_seconds->begin, options.shutter_seconds->end};
-  if (options.at_keys && options.largest_deviation) shot.largest_deviation = *options.largest_deviation;
-  return {stem, [=] { return checked(read_shot(name, shot, print_warning), stem); }};
+  ShotOptions shot{.shutter = making.gltf.shutter};
+  if (making.gltf.at_keys && making.gltf.largest_deviation)
+    shot.largest_deviation = *making.gltf.largest_deviation;
+  return {stem, [=, warn = making.warn] { return checked(read_shot(name, shot, warn), stem); }};
 }
 
 SceneSource built_in_source(const std::string& name, const MakingOptions& options) {
@@ -88,10 +93,22 @@ SceneSource built_in_source(const std::string& name, const MakingOptions& option
   return {name, [=, seed = options.seed] { return checked(scene->make(scale, seed), name); }};
 }
 
+/// Seconds are counted from a clip's beginning.
+void check_shutter(const std::string& name, const FilePart& shutter) {
+  if (!shutter.is_in_frames && (shutter.begin < 0 || shutter.begin >= shutter.end))
+    throw UsageError(
+        fmt::format("--shutter must be A,B with 0 <= A < B, not \"{},{}\".", shutter.begin, shutter.end));
+  const bool has_clock = is_shot_name(name) || is_gltf_file(name);
+  if (shutter.is_in_frames && !has_clock)
+    throw UsageError(
+        fmt::format("--frames: \"{}\" has no frames: glTF, USD and Alembic files have them.", name));
+}
+
 SceneSource find_source(const std::string& name, const MakingOptions& making) {
-  if (find_procedural_scene(name) == nullptr && is_obj_name(name)) return obj_source(name, making.obj_step);
-  if (is_shot_name(name)) return shot_source(name, making.gltf);
-  return is_file_name(name) ? file_source(name, making.gltf) : built_in_source(name, making);
+  if (making.gltf.shutter) check_shutter(name, *making.gltf.shutter);
+  if (find_procedural_scene(name) == nullptr && is_obj_name(name)) return obj_source(name, making);
+  if (is_shot_name(name)) return shot_source(name, making);
+  return is_file_name(name) ? file_source(name, making) : built_in_source(name, making);
 }
 
 /// As Scene::max_bytes.

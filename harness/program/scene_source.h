@@ -27,9 +27,6 @@ std::vector<SceneSource> find_scenes(const SceneOptions& options);
 /// `scene`, named `name`. Throws UsageError for what no ray can be sent through.
 Scene checked(Scene scene, const std::string& name);
 
-/// A line on stderr for what a scene is shown without.
-void print_warning(const std::string& sentence);
-
 SceneSummary summarize(const Scene& scene);
 
 /// `scene` as structures get it: with other steps, and with the tolerance (of its diagonal) and the bytes

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
+#include <utility>
 
 extern char** environ;  // NOLINT: POSIX declares it nowhere
 
@@ -32,38 +33,46 @@ std::string find_script(const std::string& own_folder, const std::string& name) 
                   (program_folder / kScriptFolders[0] / own_folder).lexically_normal().string()));
 }
 
-/// Ctrl-C waits until the script takes it, in record_files.py or read_shot.py: while Python starts, it would
-/// print where it was.
-int spawn(pid_t& child, const std::vector<char*>& argv) {
+/// As run_program(), with the signals `blocked` blocked in it.
+std::optional<ScriptEnd> run(std::vector<std::string> words, const sigset_t& blocked) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  std::fflush(stdout);
   posix_spawnattr_t attributes;
-  sigset_t blocked;
-  sigemptyset(&blocked);
-  sigaddset(&blocked, SIGINT);
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setsigmask(&attributes, &blocked);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
-  const int error = posix_spawn(&child, argv[0], nullptr, &attributes, argv.data(), environ);
+  pid_t child = 0;
+  int status = 0;
+  const int error = posix_spawnp(&child, argv[0], nullptr, &attributes, argv.data(), environ);
   posix_spawnattr_destroy(&attributes);
-  return error;
+  if (error != 0 || waitpid(child, &status, 0) != child) return std::nullopt;
+  if (WIFSIGNALED(status)) return ScriptEnd{.exit_code = 0, .signal = WTERMSIG(status)};
+  return ScriptEnd{.exit_code = WEXITSTATUS(status), .signal = 0};
 }
 
 }  // namespace
+
+std::optional<ScriptEnd> run_program(std::vector<std::string> words) {
+  sigset_t none;
+  sigemptyset(&none);
+  return run(std::move(words), none);
+}
 
 ScriptEnd run_python(const std::string& folder, const std::string& name,
                      const std::vector<std::string>& arguments) {
   // -B: no compiled files beside the sources.
   std::vector<std::string> words{"/usr/bin/python3", "-B", find_script(folder, name)};
   words.insert(words.end(), arguments.begin(), arguments.end());
-  std::vector<char*> argv;
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
-  std::fflush(stdout);
-  pid_t child = 0;
-  int status = 0;
-  if (spawn(child, argv) != 0 || waitpid(child, &status, 0) != child)
-    throw std::runtime_error(fmt::format("{} could not be run with {}.", name, words.front()));
-  if (WIFSIGNALED(status)) return {.exit_code = 0, .signal = WTERMSIG(status)};
-  return {.exit_code = WEXITSTATUS(status), .signal = 0};
+  // Ctrl-C waits until the script takes it, in record_files.py or read_shot.py: while Python starts, it would
+  // print where it was.
+  sigset_t blocked;
+  sigemptyset(&blocked);
+  sigaddset(&blocked, SIGINT);
+  const std::optional<ScriptEnd> end = run(words, blocked);
+  if (!end) throw std::runtime_error(fmt::format("{} could not be run with {}.", name, words.front()));
+  return *end;
 }
 
 void run_script(const std::string& name, const std::vector<std::string>& arguments) {

@@ -1,6 +1,7 @@
-/// The Python scripts that draw records and read shots.
+/// Programs that do parts of the work: Python scripts that draw records and read shots, ffmpeg.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,11 +13,15 @@ struct ScriptFailure {
   int exit_code;
 };
 
-/// How a script ended.
+/// How a script or program ended.
 struct ScriptEnd {
   int exit_code = 0;
   int signal = 0;  ///< that ended it; 0: none did
 };
+
+/// Runs the program `words[0]`, which is looked for in PATH, and waits; empty where it cannot be run. It
+/// inherits what is open.
+std::optional<ScriptEnd> run_program(std::vector<std::string> words);
 
 /// Runs the script `name`, of this folder beside the program or in the data folder, with Debian's Python, and
 /// waits. It inherits what is open. Throws std::runtime_error if there is no Python or no script.

@@ -3,7 +3,6 @@
 
 #include <optional>
 #include <string>
-#include <utility>
 
 #include "harness/scenes/scene.h"
 #include "harness/scenes/scene_file.h"
@@ -11,8 +10,8 @@
 namespace stbvh::harness {
 
 struct ShotOptions {
-  /// Part of the file's time; default: the range that it names, or all of its samples.
-  std::optional<std::pair<double, double>> shutter_seconds;
+  /// Default: the range that the file names, or all of its samples.
+  std::optional<FilePart> shutter;
   /// How far vertices may be from their true places, of the scene's diagonal.
   double largest_deviation = 1e-6;
 };

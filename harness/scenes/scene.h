@@ -130,6 +130,7 @@ struct Scene {
   std::string name;
   std::vector<Mesh> meshes;
   Camera camera;
+  bool is_framed = false;  ///< its file brings no camera: this one sees all that is there in the shutter
   std::vector<Camera> camera_steps;  ///< where it is over the ray times [0, 1], equidistant; empty: it stands
   std::vector<DirectionalLight> directional_lights;
   std::vector<PointLight> point_lights;

@@ -1,8 +1,11 @@
 /// What all readers of scene files share.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "harness/files/user_error.h"
@@ -13,6 +16,23 @@ namespace stbvh::harness {
 struct SceneFileError : UserError {
   using UserError::UserError;
 };
+
+/// Part of the time of a file that has a clock.
+struct FilePart {
+  double begin = 0, end = 0;  ///< in seconds, or in frames
+  bool is_in_frames = false;
+  double frame_rate = 0;  ///< frames in a second; 0: those of the file, or kFrameRate
+};
+
+/// Frames in a second where a file does not say.
+inline constexpr double kFrameRate = 24;
+
+/// In how many places a camera is kept that moves while the shutter is open: some for each frame.
+inline std::size_t camera_step_count(const std::optional<FilePart>& shutter) {
+  constexpr double kEachFrame = 32, kLeast = 129, kMost = 4096;
+  const double frames = shutter && shutter->is_in_frames ? shutter->end - shutter->begin : 0;
+  return static_cast<std::size_t>(std::clamp(std::ceil(kEachFrame * frames) + 1, kLeast, kMost));
+}
 
 /// Told a sentence for each thing that a scene is read without, or otherwise than the file means it.
 using SceneWarning = std::function<void(const std::string& sentence)>;

@@ -23,7 +23,7 @@ void run(Bytes bytes) {
   GltfOptions options;
   options.steps = 3;
   read(file, options);
-  options.shutter_seconds = {-1, 2};
+  options.shutter = {-1, 2};
   options.shutter_mode = harness::ShutterMode::kLoop;
   options.largest_deviation = 1e-2;
   read(file, options);

@@ -125,7 +125,7 @@ TEST(SharedAssets, AllStructuresAgree) {
   if (files.empty()) GTEST_SKIP() << "There are no .glb files in " << kAssets << ".";
   for (const fs::path& file : files) {
     SCOPED_TRACE(file.filename().string());
-    expect_all_structures_agree(load_gltf(file, {.clip = "", .shutter_seconds = {}, .steps = kSteps}));
+    expect_all_structures_agree(load_gltf(file, {.clip = "", .shutter = {}, .steps = kSteps}));
   }
 }
 

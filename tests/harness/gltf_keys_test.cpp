@@ -24,9 +24,9 @@ double diagonal_of(const Scene& scene) {
   return length(to_double(box.upper) - to_double(box.lower));
 }
 
-GltfOptions over(TimeRange shutter, ShutterMode mode = ShutterMode::kClamp) {
+GltfOptions over(FilePart shutter, ShutterMode mode = ShutterMode::kClamp) {
   GltfOptions options;
-  options.shutter_seconds = shutter;
+  options.shutter = shutter;
   options.shutter_mode = mode;
   return options;
 }
@@ -200,7 +200,7 @@ TEST_F(GltfKeysTest, VerticesThatAreNowhereAreRefusedInTheEnd) {
 
 /// Where all vertices are at random moments of a shutter, against scenes that are read at those moments
 /// alone.
-void expect_true_places(const fs::path& file, TimeRange shutter, const std::string& clip = "") {
+void expect_true_places(const fs::path& file, FilePart shutter, const std::string& clip = "") {
   GltfOptions keys = over(shutter);
   keys.clip = clip;
   keys.at_keys = true;
@@ -209,9 +209,8 @@ void expect_true_places(const fs::path& file, TimeRange shutter, const std::stri
   std::mt19937 random(1);
   double worst = 0;
   for (int i = 0; i < 200; ++i) {
-    const float seconds = std::uniform_real_distribution<float>(shutter.begin, shutter.end)(random);
-    const auto time =
-        static_cast<float>((double{seconds} - shutter.begin) / (double{shutter.end} - shutter.begin));
+    const double seconds = std::uniform_real_distribution(shutter.begin, shutter.end)(random);
+    const auto time = static_cast<float>((seconds - shutter.begin) / (shutter.end - shutter.begin));
     GltfOptions instant = over({seconds, seconds});
     instant.steps = 1;
     instant.clip = clip;

@@ -169,8 +169,8 @@ TEST_F(GltfSceneTest, WhatIsShownAndHiddenHasTimeRanges) {
   EXPECT_EQ(first_x(scene.meshes.at(1)), (Floats{2, 6}));
   EXPECT_EQ(scene.meshes.at(1).time_range.begin, 0.25f);
   // At one moment it is there or not.
-  EXPECT_EQ(load(d, {"", TimeRange{0.5f, 0.5f}, 1}).meshes.size(), 1u);
-  EXPECT_EQ(load(d, {"", TimeRange{1.5f, 1.5f}, 1}).meshes.size(), 2u);
+  EXPECT_EQ(load(d, {"", FilePart{0.5, 0.5}, 1}).meshes.size(), 1u);
+  EXPECT_EQ(load(d, {"", FilePart{1.5, 1.5}, 1}).meshes.size(), 2u);
 
   d.root["animations"][0]["samplers"][0]["interpolation"] = "LINEAR";
   expect_refused(write("linear.glb", d.bytes()), "the visibility of node 2 is animated, but not in steps");

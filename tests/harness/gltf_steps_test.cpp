@@ -22,11 +22,11 @@ class GltfStepsTest : public AnimatedGltfTest {
                      [this](const std::string& sentence) { warnings.push_back(sentence); });
   }
 
-  std::vector<std::size_t> step_counts(const Document& d, double share, std::optional<TimeRange> shutter = {},
+  std::vector<std::size_t> step_counts(const Document& d, double share, std::optional<FilePart> shutter = {},
                                        ShutterMode mode = ShutterMode::kClamp) {
     GltfOptions options;
     options.largest_deviation = share;
-    options.shutter_seconds = shutter;
+    options.shutter = shutter;
     options.shutter_mode = mode;
     std::vector<std::size_t> counts;
     for (const Mesh& mesh : load(d, options).meshes) counts.push_back(mesh.steps.size());
@@ -113,7 +113,7 @@ TEST_F(GltfStepsTest, EachMeshHasItsOwnNumber) {
 
 TEST_F(GltfStepsTest, ShuttersLongerThanTheClip) {
   const Document d = sliding({1, 2}, {0, 10});
-  const auto x = [&](TimeRange shutter, std::size_t steps, ShutterMode mode) {
+  const auto x = [&](FilePart shutter, std::size_t steps, ShutterMode mode) {
     Floats places;
     const Scene scene = load(d, {"", shutter, steps, {}, mode});
     for (const VertexBuffer& step : scene.meshes.at(0).steps) places.push_back(step[0].x);
@@ -125,17 +125,17 @@ TEST_F(GltfStepsTest, ShuttersLongerThanTheClip) {
   EXPECT_EQ(x({0, 2}, 5, ShutterMode::kLoop), (Floats{0, 5, 0, 5, 10}));
   EXPECT_EQ(x({1, 2}, 3, ShutterMode::kLoop), x({1, 2}, 3, ShutterMode::kClamp));
   expect_refused(write("file.glb", d.bytes()), "repeats a clip of 1 seconds more than 129 times",
-                 {"", TimeRange{0, 200}, 9, {}, ShutterMode::kLoop});
-  EXPECT_EQ(refusal(write("file.glb", d.bytes()), {"", TimeRange{0, 200}, 9, {}, ShutterMode::kClamp}), "");
+                 {"", FilePart{0, 200}, 9, {}, ShutterMode::kLoop});
+  EXPECT_EQ(refusal(write("file.glb", d.bytes()), {"", FilePart{0, 200}, 9, {}, ShutterMode::kClamp}), "");
 }
 
 TEST_F(GltfStepsTest, StepsOfLoopsAndOfWhatStopsAreChosenToo) {
   const Document d = sliding({0, 0.5f, 1}, {0, 10, 0});
-  EXPECT_EQ(step_counts(d, 1e-5, TimeRange{0, 2}, ShutterMode::kLoop), Counts{5});
-  EXPECT_EQ(step_counts(d, 1e-5, TimeRange{0, 2}, ShutterMode::kClamp), Counts{5});
-  EXPECT_EQ(step_counts(d, 1e-5, TimeRange{0, 4}, ShutterMode::kLoop), Counts{9});
+  EXPECT_EQ(step_counts(d, 1e-5, FilePart{0, 2}, ShutterMode::kLoop), Counts{5});
+  EXPECT_EQ(step_counts(d, 1e-5, FilePart{0, 2}, ShutterMode::kClamp), Counts{5});
+  EXPECT_EQ(step_counts(d, 1e-5, FilePart{0, 4}, ShutterMode::kLoop), Counts{9});
   EXPECT_TRUE(warnings.empty());
-  step_counts(sliding({0, 1}, {0, 10}), 1e-3, TimeRange{0, 3}, ShutterMode::kLoop);
+  step_counts(sliding({0, 1}, {0, 10}), 1e-3, FilePart{0, 3}, ShutterMode::kLoop);
   EXPECT_EQ(warnings.size(), 1u);  // it jumps back
 }
 

@@ -65,7 +65,7 @@ TEST_P(ReferenceTest, PositionsMatch) {
   const json info = json::parse(read_file(reference.string() + ".json"));
   GltfOptions options;
   options.clip = std::to_string(info["animationIndex"].get<int>());
-  options.shutter_seconds = TimeRange{info["t0"].get<float>(), info["t1"].get<float>()};
+  options.shutter = FilePart{info["t0"].get<double>(), info["t1"].get<double>()};
   options.steps = info["steps"].get<std::size_t>();
   const Scene scene = load_gltf(kAssets / info["file"].get<std::string>(), options);
   EXPECT_EQ(scene.triangle_count(), info["triangles"].get<std::size_t>());
@@ -135,7 +135,7 @@ TEST(Gltf, WhatStandsStillHasOneStep) {
   EXPECT_EQ(scene.meshes[0].steps.size(), 1u);
   for (std::size_t i = 1; i < 5; ++i) EXPECT_EQ(scene.meshes[i].steps.size(), 9u);
   EXPECT_FLOAT_EQ(scene.meshes[1].material.color.y, 0.7f);
-  const GltfOptions at_begin{"spin", TimeRange{0.5f, 0.5f}, 1};
+  const GltfOptions at_begin{"spin", FilePart{0.5, 0.5}, 1};
   for (const Mesh& mesh : load_gltf(kData / "propeller.glb", at_begin).meshes)
     EXPECT_EQ(mesh.steps.size(), 1u);
 }
@@ -175,9 +175,9 @@ TEST(Gltf, ClipsAndShutters) {
   EXPECT_EQ(refusal(file, {"0", {}, 9}), "");
   EXPECT_EQ(refusal(file, {"nod", {}, 9}), "it has no clip 'nod'; its clips are 0 'spin'");
   expect_refused(file, "its clips are", {"1", {}, 9});
-  expect_refused(file, "the shutter must open before it closes", {"", TimeRange{0.5f, 0.5f}, 2});
-  expect_refused(file, "the shutter must open before it closes", {"", TimeRange{1, 0}, 2});
-  expect_refused(file, "the shutter", {"", TimeRange{0, std::numeric_limits<float>::quiet_NaN()}, 2});
+  expect_refused(file, "the shutter must open before it closes", {"", FilePart{0.5, 0.5}, 2});
+  expect_refused(file, "the shutter must open before it closes", {"", FilePart{1, 0}, 2});
+  expect_refused(file, "the shutter", {"", FilePart{0, std::numeric_limits<double>::quiet_NaN()}, 2});
   expect_refused(file, "1 to 129 are possible", {"", {}, 0});
   expect_refused(file, "1 to 129 are possible", {"", {}, kMaxSceneSteps + 1});
   EXPECT_EQ(load_gltf(file, {"", {}, kMaxSceneSteps}).meshes[1].steps.size(), kMaxSceneSteps);
@@ -258,7 +258,7 @@ TEST_F(GltfTest, KeysHoldBeforeBehindAndAtTheirTimes) {
       json::parse(R"([{"channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
       "samplers": [{"interpolation": "STEP"}]}])");
   d.root["animations"][0]["samplers"][0].update({{"input", times}, {"output", places}});
-  const auto first_vertex_at = [&](std::optional<TimeRange> shutter, std::size_t steps) {
+  const auto first_vertex_at = [&](std::optional<FilePart> shutter, std::size_t steps) {
     const Scene scene = load_gltf(write("keys.glb", d.bytes()), {"", shutter, steps});
     std::vector<float> x;
     for (const VertexBuffer& step : scene.meshes.at(0).steps) x.push_back(step[0].x);
@@ -266,10 +266,10 @@ TEST_F(GltfTest, KeysHoldBeforeBehindAndAtTheirTimes) {
   };
   using Floats = std::vector<float>;
   EXPECT_EQ(first_vertex_at({}, 3), (Floats{0, 10, 20}));
-  EXPECT_EQ(first_vertex_at(TimeRange{0, 4}, 5), (Floats{0, 0, 10, 20, 20}));
-  EXPECT_EQ(first_vertex_at(TimeRange{2, 2}, 1), (Floats{10}));
+  EXPECT_EQ(first_vertex_at(FilePart{0, 4}, 5), (Floats{0, 0, 10, 20, 20}));
+  EXPECT_EQ(first_vertex_at(FilePart{2, 2}, 1), (Floats{10}));
   d.root["animations"][0]["samplers"][0]["interpolation"] = "LINEAR";
-  EXPECT_EQ(first_vertex_at(TimeRange{0, 4}, 9), (Floats{0, 0, 0, 5, 10, 15, 20, 20, 20}));
+  EXPECT_EQ(first_vertex_at(FilePart{0, 4}, 9), (Floats{0, 0, 0, 5, 10, 15, 20, 20, 20}));
   d.root["nodes"][0]["matrix"] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 7, 0, 0, 1};
   expect_refused(write("matrix.glb", d.bytes()), "is animated, but has a matrix");
   d.root.erase("animations");

@@ -68,8 +68,8 @@ TEST(SceneOptions, AreHandedOnAsTheyWereGiven) {
     EXPECT_EQ(o.scale, 0.5);
     EXPECT_EQ(o.seed, 7u);
     EXPECT_EQ(o.gltf.clip, "-1");
-    ASSERT_TRUE(o.gltf.shutter_seconds.has_value());
-    EXPECT_EQ(o.gltf.shutter_seconds->end, 0.5f);
+    ASSERT_TRUE(o.gltf.shutter.has_value());
+    EXPECT_EQ(o.gltf.shutter->end, 0.5);
     EXPECT_EQ(o.gltf.shutter_mode, ShutterMode::kLoop);
     EXPECT_EQ(o.gltf.largest_deviation, 1e-3);
   }

@@ -207,8 +207,26 @@ TEST_F(ShotsTest, InstancesAndLoopSurfaces) {
 
 TEST_F(ShotsTest, AShutterIsAPartOfTheFile) {
   // Frames 1 to 3, of 24 a second.
-  const Scene scene = load(data("velocities.usda"), {.shutter_seconds = {{1.0 / 24, 3.0 / 24}}});
+  const Scene scene = load(data("velocities.usda"), {.shutter = {{1.0 / 24, 3.0 / 24}}});
   EXPECT_EQ(std::ranges::count(scene.meshes, "/Splash", &Mesh::name), 2);
+}
+
+TEST_F(ShotsTest, FramesAreTimeCodesOfAUsdFile) {
+  const auto places = [this](const FilePart& part, const fs::path& file) {
+    std::vector<std::string> steps;
+    for (const VertexBuffer& step : load(file, {.shutter = part}).meshes.at(0).steps)
+      for (std::size_t vertex = 0; vertex < step.size(); ++vertex)
+        steps.push_back(fmt::format("{} {} {}", step[vertex].x, step[vertex].y, step[vertex].z));
+    return steps;
+  };
+  const fs::path bar = data("turning_bar.usda");  // 24 time codes a second
+  EXPECT_EQ(places({1, 2, true}, bar), places({1.0 / 24, 2.0 / 24}, bar));
+  EXPECT_EQ(places({1, 2, true, 12}, bar), places({2, 4, true}, bar));
+  EXPECT_NE(places({1, 2, true}, bar), places({2, 4, true}, bar));
+  if (shared_shots().empty()) GTEST_SKIP() << "../shared is not there";
+  const fs::path cube = shared_shots() / "animatedCube.abc";
+  EXPECT_EQ(places({3, 6, true, 12}, cube), places({0.25, 0.5}, cube));
+  EXPECT_EQ(places({6, 12, true}, cube), places({0.25, 0.5}, cube));
 }
 
 TEST_F(ShotsTest, OursAreRightOverAllOfThem) {

@@ -359,8 +359,8 @@ Scene load(const std::filesystem::path& file, const GltfOptions& options, const 
   const NodeTree tree(model);
   const std::vector<std::size_t> nodes = nodes_of_scene(model, tree, options.scene, warn);
   const std::optional<ClipSource> clip_source = find_clip(model, options.clip);
-  const std::size_t most_steps =
-      options.at_keys || options.largest_deviation ? kMaxSceneSteps : options.steps;
+  const bool chooses_steps = options.at_keys || options.largest_deviation;
+  const std::size_t most_steps = chooses_steps ? kMaxSceneSteps : options.steps;
   // How many keys make is known when they are made.
   check_sizes(model, tree, nodes, clip_source ? &*clip_source : nullptr, options.at_keys ? 1 : most_steps);
   warn_of_what_is_left_out(model, nodes, clip_source ? &*clip_source : nullptr, warn);
@@ -384,7 +384,8 @@ Scene load(const std::filesystem::path& file, const GltfOptions& options, const 
     scene.meshes.push_back(make_mesh(parts[i], std::move(motions[i])));
   leave_out_invalid_triangles(scene, file, tell);
   if (scene.meshes.empty()) fail("none of its triangles can be shown");
-  add_surroundings(model, timeline, nodes, most_steps, warn, scene);
+  const std::size_t camera_steps = chooses_steps ? camera_step_count(options.shutter) : options.steps;
+  add_surroundings(model, timeline, nodes, camera_steps, warn, scene);
   return scene;
 }
 

@@ -18,9 +18,9 @@ enum class ShutterMode {
 };
 
 struct GltfOptions {
-  std::string clip;                          ///< name or index of the animation; empty: the first
-  std::optional<TimeRange> shutter_seconds;  ///< part of the clip, or more; default: all of it
-  std::size_t steps = 9;                     ///< key positions of each moving mesh, 1 to kMaxSceneSteps
+  std::string clip;                 ///< name or index of the animation; empty: the first
+  std::optional<FilePart> shutter;  ///< part of the clip, or more; default: all of it
+  std::size_t steps = 9;            ///< key positions of each moving mesh, 1 to kMaxSceneSteps
   /// If there is one, each mesh has as few steps, up to kMaxSceneSteps, as keep all vertices this close to
   /// their true places; a share, between 0 and 1, of the diagonal of the scene's bounds over the shutter.
   std::optional<double> largest_deviation = std::nullopt;

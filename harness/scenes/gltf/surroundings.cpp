@@ -98,6 +98,7 @@ void add_camera(const Model& model, const Timeline& timeline, const std::vector<
     warn(fmt::format("left out, as the first is taken: {} more camera{}", cameras.others,
                      cameras.others == 1 ? "" : "s"));
   scene.camera = framing_camera(scene);
+  scene.is_framed = true;
   if (!cameras.first) return;
   const bool moves = !timeline.is_instant() && timeline.rig().moves(*cameras.first);
   std::vector<Camera> path =
@@ -107,6 +108,7 @@ void add_camera(const Model& model, const Timeline& timeline, const std::vector<
     return;
   }
   scene.camera = path.front();
+  scene.is_framed = false;
   if (path.size() > 1) scene.camera_steps = std::move(path);
 }
 

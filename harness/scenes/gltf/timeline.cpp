@@ -13,9 +13,11 @@ Timeline::Timeline(const Rig& rig, const Clip* clip, const GltfOptions& options)
     end_ = clip_end_ = clip->end;
     loops_ = options.shutter_mode == ShutterMode::kLoop && period() > 0;
   }
-  if (!options.shutter_seconds) return;
-  begin_ = static_cast<double>(options.shutter_seconds->begin);
-  end_ = static_cast<double>(options.shutter_seconds->end);
+  if (!options.shutter) return;
+  const FilePart& shutter = *options.shutter;
+  const double rate = shutter.frame_rate > 0 ? shutter.frame_rate : kFrameRate;
+  begin_ = shutter.is_in_frames ? shutter.begin / rate : shutter.begin;
+  end_ = shutter.is_in_frames ? shutter.end / rate : shutter.end;
   const bool needs_duration = options.at_keys || options.largest_deviation || options.steps > 1;
   if (!std::isfinite(begin_) || !std::isfinite(end_) || (needs_duration && begin_ >= end_)) {
     fail("the shutter must open before it closes, but {} to {} seconds is asked for", begin_, end_);

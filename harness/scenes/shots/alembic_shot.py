@@ -14,6 +14,7 @@ EXISTING = Abc.WrapExistingFlag.kWrapExisting
 BOUNDARIES = {0: NO_BOUNDARY, 1: EDGES_AND_CORNERS, 2: EDGES}  # as in RenderMan
 NOT_SHOWN = "left out, as only meshes are read"
 KEPT_SAMPLES = 4
+FRAME_RATE = 24.0  # the files name none
 
 
 def sample_at(sampling, index):
@@ -202,7 +203,7 @@ class Archive:
         self.visit(child, place, depth + 1)
 
 
-def write_camera(out, cameras, shutter, notes):
+def write_camera(out, cameras, shutter, steps, notes):
     if not cameras:
         return
     for name, _, _ in cameras[1:]:
@@ -217,7 +218,8 @@ def write_camera(out, cameras, shutter, notes):
         height = 10 * sample.getVerticalAperture() / sample.getFocalLength()
         return position, position + forward / np.linalg.norm(forward), up, 2 * np.degrees(np.arctan(height / 2))
 
-    shot_writer.write_camera(out, shutter, bool(place.times()) or schema.getNumSamples() > 1, view_at)
+    is_moving = bool(place.times()) or schema.getNumSamples() > 1
+    shot_writer.write_camera(out, shutter, steps if is_moving else 1, view_at)
 
 
 def open_archive(file):
@@ -231,12 +233,12 @@ def open_archive(file):
         raise ShotProblem(f"is not an Alembic file that alembic3d can read: {' '.join(str(error).split())}") from error
 
 
-def read(file, out, seconds, share):
+def read(file, out, asked, share):
     notes = Notes()
     archive = open_archive(file)
     found = Archive(notes)
     found.visit(archive.getTop(), Place())
-    shutter = shot_writer.find_shutter(seconds, found.items, None)
-    write_camera(out, found.cameras, shutter, notes)
+    shutter = shot_writer.find_shutter(asked.in_time(1.0, 1.0 / FRAME_RATE), found.items, None)
+    write_camera(out, found.cameras, shutter, asked.camera_steps, notes)
     shot_writer.write_items(out, notes, found.items, shutter, share)
     notes.hand_over(out)

@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Reads a USD or Alembic file and hands over what is in it (handover.py): stbvh-ab runs this.
 
-Usage: read_shot.py FILE DESCRIPTOR [--shutter A,B] [--deviation E]
-DESCRIPTOR is the number of an open file. The shutter is in seconds, the deviation a share of the scene's diagonal.
+Usage: read_shot.py FILE DESCRIPTOR [--shutter A,B [--frame-rate R]] [--deviation E] [--camera-steps N]
+DESCRIPTOR is the number of an open file. The shutter is in seconds, or in frames, R to a second (0: as the file has them); the
+deviation is a share of the scene's diagonal.
 Whatever is wrong is handed over too, so the exit code is 0 but where the process is ended.
 """
 import argparse
@@ -24,6 +25,8 @@ def options():
     parser.add_argument("file")
     parser.add_argument("descriptor", type=int)
     parser.add_argument("--shutter", type=lambda text: tuple(float(word) for word in text.split(",")))
+    parser.add_argument("--frame-rate", type=float)
+    parser.add_argument("--camera-steps", type=int, default=129)
     parser.add_argument("--deviation", type=float, default=1e-6)
     return parser.parse_args()
 
@@ -52,13 +55,15 @@ def say_problem(descriptor, text):
 
 def read(asked):
     import handover  # they need the environment
+    import shot_steps
     out = handover.Handover(asked.descriptor)
     try:
         if asked.file.lower().endswith(".abc"):
             import alembic_shot as reader
         else:
             import usd_shot as reader
-        reader.read(asked.file, out, asked.shutter, asked.deviation)
+        shutter = shot_steps.AskedShutter(asked.shutter, asked.frame_rate, asked.camera_steps)
+        reader.read(asked.file, out, shutter, asked.deviation)
         out.end()
     except handover.ShotProblem as problem:
         out.text(handover.PROBLEM, str(problem))

@@ -149,6 +149,7 @@ class ShotLoader {
     if (cameras_.empty() || !std::ranges::all_of(cameras_, looks_somewhere)) {
       if (!cameras_.empty()) tell("its camera looks nowhere; another one shows everything");
       scene_.camera = gltf::framing_camera(scene_);
+      scene_.is_framed = true;
       return;
     }
     scene_.camera = cameras_.front();

@@ -28,6 +28,24 @@ class Shutter:
         return sorted({t for t in times if self.begin < t < self.end})
 
 
+class AskedShutter:
+    """What part of the file's time the user asks for: (begin, end) in seconds, or in frames if there is a rate; None: all.
+
+    A camera that moves is kept in `camera_steps` places.
+    """
+
+    def __init__(self, ends, frame_rate, camera_steps):
+        self.ends, self.frame_rate, self.camera_steps = ends, frame_rate, camera_steps
+
+    def in_time(self, per_second, per_frame):
+        """The ends in the file's time, which goes on by so much in a second, and in a frame of the file's own."""
+        if self.ends is None:
+            return None
+        if self.frame_rate is None:
+            return tuple(end * per_second for end in self.ends)
+        return tuple(end / self.frame_rate * per_second if self.frame_rate else end * per_frame for end in self.ends)
+
+
 def just_before(time):
     return math.nextafter(time, -math.inf)
 

@@ -6,7 +6,6 @@ from shot_notes import Notes
 from shot_steps import Motion, Shutter, just_before, spans
 
 MOST_MESHES = 1_000_000
-CAMERA_STEPS = 129
 GREY = (0.7, 0.7, 0.7, 0, 0, 0)  # reflectance and emission
 
 
@@ -106,10 +105,7 @@ def write_items(out, notes, items, shutter, share):
                       item.name)
 
 
-def write_camera(out, shutter, is_moving, view_at):
-    """view_at(time): (position, target, up, vertical degrees)."""
-    if shutter.is_instant() or not is_moving:
-        times = [shutter.begin]
-    else:
-        times = np.linspace(shutter.begin, shutter.end, CAMERA_STEPS)
+def write_camera(out, shutter, steps, view_at):
+    """In `steps` places. view_at(time): (position, target, up, vertical degrees)."""
+    times = [shutter.begin] if shutter.is_instant() else np.linspace(shutter.begin, shutter.end, steps)
     out.camera([[*position, *target, *up, fov] for position, target, up, fov in (view_at(float(t)) for t in times)])

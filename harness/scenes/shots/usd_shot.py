@@ -359,7 +359,7 @@ def stage_range(stage, cameras):
     return (begin, end) if begin <= end else None
 
 
-def write_camera(out, cameras, shutter, world, notes):
+def write_camera(out, cameras, shutter, steps, world, notes):
     perspective = [prim for prim in cameras if UsdGeom.Camera(prim).GetProjectionAttr().Get() == UsdGeom.Tokens.perspective]
     for prim in cameras:
         if prim not in perspective:
@@ -379,7 +379,7 @@ def write_camera(out, cameras, shutter, world, notes):
         forward = forward / np.linalg.norm(forward)
         return position, position + forward, up, camera.GetCamera(time).GetFieldOfView(Gf.Camera.FOVVertical)
 
-    shot_writer.write_camera(out, shutter, is_moving, view_at)
+    shot_writer.write_camera(out, shutter, steps if is_moving else 1, view_at)
 
 
 def write_lights(out, lights, shutter, world, notes):
@@ -404,7 +404,7 @@ def write_lights(out, lights, shutter, world, notes):
             notes.add(f"left out, as only distant and dome lights are read ({prim.GetTypeName()})", str(prim.GetPath()))
 
 
-def read(file, out, seconds, share):
+def read(file, out, asked, share):
     notes = Notes()
     stage = open_stage(file, out)
     bake_skins(stage, notes)
@@ -412,9 +412,8 @@ def read(file, out, seconds, share):
     world = World(found.correction)
     found.visit(stage.GetPseudoRoot(), world, "")
     rate = stage.GetTimeCodesPerSecond() or 24.0
-    asked = None if seconds is None else (seconds[0] * rate, seconds[1] * rate)
-    shutter = shot_writer.find_shutter(asked, found.items, stage_range(stage, found.cameras))
-    write_camera(out, found.cameras, shutter, world, notes)
+    shutter = shot_writer.find_shutter(asked.in_time(rate, 1.0), found.items, stage_range(stage, found.cameras))
+    write_camera(out, found.cameras, shutter, asked.camera_steps, world, notes)
     write_lights(out, found.lights, shutter, world, notes)
     shot_writer.write_items(out, notes, found.items, shutter, share)
     notes.hand_over(out)
