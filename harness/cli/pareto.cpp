@@ -161,8 +161,9 @@ Report read_all(const std::vector<std::string>& files) {
       first_machine = read.machine;
     }
     if (!read.speeds.empty() && read.machine != first_machine) {
-      throw UsageError(fmt::format("--from: \"{}\" and \"{}\" were measured on machines of two types: {}; {}.",
-                                   first_file, file, first_machine, read.machine));
+      throw UsageError(
+          fmt::format("--from: \"{}\" and \"{}\" were measured on machines of two types: {}; {}.", first_file,
+                      file, first_machine, read.machine));
     }
     all.speeds.insert(all.speeds.end(), read.speeds.begin(), read.speeds.end());
     all.hards.insert(all.hards.end(), read.hards.begin(), read.hards.end());

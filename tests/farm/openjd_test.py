@@ -29,8 +29,8 @@ def runner():
         fcntl.flock(lock, fcntl.LOCK_EX)
         if not (folder / "whole").exists():
             for command in (["/usr/bin/python3", "-m", "venv", "--clear", folder],
-                            [folder / "bin/python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--retries", "1",
-                             "--timeout", "20", *PACKAGES]):
+                            [folder / "bin/python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check",
+                             "--retries", "1", "--timeout", "20", *PACKAGES]):
                 done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
                 if done.returncode != 0:
                     print(f"skipped: {PACKAGES[0]} cannot be installed (is there a network?): {done.stdout.strip()[-200:]}")
@@ -49,8 +49,8 @@ class Job:
         values = {"Scene": ROOT / "data/propeller.glb", "Output": self.output, "Frames": FRAMES, "Tiles": TILES, "Size": SIZE,
                   "Samples": SAMPLES, "Program": self.program, "Options": SHUTTER, **others}
         words = [word for name, value in values.items() for word in ("-p", f"{name}={value}")]
-        done = subprocess.run([*self.command, "run", TEMPLATE, *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                              check=False)
+        done = subprocess.run([*self.command, "run", TEMPLATE, *words], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                              text=True, check=False)
         expect((done.returncode != 0) == tasks_fail, f"exit code {done.returncode}", done.stdout)
         return done.stdout
 
@@ -71,8 +71,9 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         one, output = pathlib.Path(folder, "one process"), pathlib.Path(folder, "the job's")
         output.mkdir()
-        subprocess.run([program, "render", "--scenes", ROOT / "data/propeller.glb", "--structures", "stbvh", "--frames", FRAMES,
-                        "--size", SIZE, "--spp", str(SAMPLES), *SHUTTER.split(), "-o", one], stdout=subprocess.DEVNULL, check=True)
+        subprocess.run([program, "render", "--scenes", ROOT / "data/propeller.glb", "--structures", "stbvh",
+                        "--frames", FRAMES, "--size", SIZE, "--spp", str(SAMPLES), *SHUTTER.split(), "-o", one],
+                       stdout=subprocess.DEVNULL, check=True)
         job = Job(python, program, output)
         job.run()
         merged = [f"propeller-stbvh.{frame}.exr" for frame in (1001, 1003)]
