@@ -8,6 +8,7 @@ test_packages=(libgtest-dev embree-tools pkgconf python3 xvfb libgl1-mesa-dri li
 processor_packages=(qemu-user)
 chart_packages=(python3-matplotlib)
 shot_packages=(python3-venv)
+farm_packages=(slurmctld slurmd slurm-client munge)
 rules_packages=(clang-format git python3)
 package_packages=(help2man dpkg-dev binutils file)
 fuzz_packages=(clang-14 libclang-rt-14-dev)

@@ -150,10 +150,21 @@ std::string measure(const ParetoOptions& options, Report& report) {
   return tables + hard_legend() + "\n";
 }
 
+/// Speeds of all files are of machines of one type; hard cases have the same answers on all.
 Report read_all(const std::vector<std::string>& files) {
   Report all;
+  std::string first_file, first_machine;
   for (const std::string& file : files) {
-    const Report read = read_speeds_and_hards(file);
+    const ReadReport read = read_speeds_and_hards(file);
+    if (all.speeds.empty() && !read.speeds.empty()) {
+      first_file = file;
+      first_machine = read.machine;
+    }
+    if (!read.speeds.empty() && read.machine != first_machine) {
+      throw UsageError(
+          fmt::format("--from: \"{}\" and \"{}\" were measured on machines of two types: {}; {}.", first_file,
+                      file, first_machine, read.machine));
+    }
     all.speeds.insert(all.speeds.end(), read.speeds.begin(), read.speeds.end());
     all.hards.insert(all.hards.end(), read.hards.begin(), read.hards.end());
   }

@@ -47,13 +47,22 @@ Json parse(const std::string& text) {
   return file;
 }
 
-Json records_in(const std::string& text) {
+/// As machine_type() of record_files.py.
+std::string machine_type(const Json& machine) {
+  const auto fact = [&](const char* name) {
+    const Json value = machine.is_object() ? machine.value(name, Json()) : Json();
+    return value.is_string() ? value.get<std::string>() : value.dump();
+  };
+  return fmt::format("{}, {} cores, Embree {}", fact("cpu"), fact("cores"), fact("embree"));
+}
+
+Json file_of_records(const std::string& text) {
   Json file = parse(text);
   const bool is_ours = file.is_object() && file.contains("records") && file["records"].is_array() &&
                        file.contains("machine") && file.contains("commit");
   if (!is_ours) throw Problem("does not hold records of stbvh-ab");
   if (file["records"].empty()) throw Problem("has no records");
-  return std::move(file["records"]);
+  return file;
 }
 
 /// Takes the fields of one record, each as what it should be.
@@ -129,9 +138,10 @@ HardResult to_hard(const Fields& r) {
   return hard;
 }
 
-Report speeds_and_hards(const Json& records) {
-  Report report;
-  for (const Json& record : records) {
+ReadReport speeds_and_hards(const Json& file) {
+  ReadReport report;
+  report.machine = machine_type(file["machine"]);
+  for (const Json& record : file["records"]) {
     const Fields fields(record);
     const std::string kind = fields.text("kind");
     if (kind == "speed") report.speeds.push_back(to_speed(fields));
@@ -142,10 +152,10 @@ Report speeds_and_hards(const Json& records) {
 
 }  // namespace
 
-Report read_speeds_and_hards(const std::filesystem::path& path) {
+ReadReport read_speeds_and_hards(const std::filesystem::path& path) {
   std::string problem;
   try {
-    return speeds_and_hards(records_in(read_whole_file(path, kMaxBytes)));
+    return speeds_and_hards(file_of_records(read_whole_file(path, kMaxBytes)));
   } catch (const InputFileError& e) {
     problem = e.what();
   } catch (const Problem& e) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+
 #include "harness/files/user_error.h"
 #include "harness/report/records.h"
 
@@ -13,8 +15,12 @@ struct RecordFileError : UserError {
   using UserError::UserError;
 };
 
+struct ReadReport : Report {
+  std::string machine;  ///< its type, in words: what machines have in common whose times may be compared
+};
+
 /// What speed against error is made of: the records of kind "speed" and "hard"; of speeds the fields that
 /// Report names but hits and the spread of mrays_per_s. Throws RecordFileError.
-Report read_speeds_and_hards(const std::filesystem::path& path);
+ReadReport read_speeds_and_hards(const std::filesystem::path& path);
 
 }  // namespace stbvh::harness

@@ -91,6 +91,12 @@ def parsed(path):
         fail(f'"{path}" is nested too deeply.')
 
 
+def machine_type(report):
+    """What two machines have in common whose times may be compared, in words."""
+    machine = report["machine"]
+    return f'{machine["cpu"]}, {machine["cores"]} cores, Embree {machine["embree"]}'
+
+
 def read_file(path):
     """What a file holds: "machine", "commit", "records" and, of newer files, "command".
 
@@ -100,8 +106,7 @@ def read_file(path):
     if isinstance(report, dict) and report.get("records") == []:
         fail(f'There are no records in "{path}".')
     try:
-        machine = report["machine"]
-        origin = f'{machine["cpu"]}, {machine["cores"]} cores, Embree {machine["embree"]}, stbvh {report["commit"]}'
+        origin = f'{machine_type(report)}, stbvh {report["commit"]}'
         report["records"] = [{**record, "kind": record["kind"], "origin": origin} for record in report["records"]]
         for record in report["records"]:
             check_record(record, path)
@@ -125,8 +130,16 @@ def check_record(record, path):
 
 
 def read_records(paths):
-    """The records of all files, in order; each with its file's machine and commit in "origin"."""
-    return [record for path in paths for record in read_file(path)["records"]]
+    """The records of all files, in order; each with its file's machine and commit in "origin".
+
+    Ends the script if not all are of machines of one type.
+    """
+    files = [read_file(path) for path in paths]
+    types = [machine_type(file) for file in files]
+    for path, kind in zip(paths, types):
+        if kind != types[0]:
+            fail(f'"{paths[0]}" and "{path}" were measured on machines of two types: {types[0]}; {kind}.')
+    return [record for file in files for record in file["records"]]
 
 
 def distinct(values):

@@ -13,7 +13,7 @@ from statistics import geometric_mean
 
 from page_blocks import Section, Table, Text
 from page_markdown import write
-from record_files import check_distinct, distinct, fail, grouped, read_file, run, write_whole
+from record_files import check_distinct, distinct, fail, grouped, machine_type, read_file, run, write_whole
 from report_sections import HARD, REFERENCE, WRONG, in_words, number, ours_among, together
 
 BEGIN, END = "<!-- made by stbvh-ab results: begin -->", "<!-- made by stbvh-ab results: end -->"
@@ -48,7 +48,7 @@ def read_machines(paths):
             fail(f'"{path}" was not measured on a clean commit, but on "{file["commit"]}".')
     machines = {}
     for file in files:
-        machines.setdefault(tuple(file["machine"][key] for key in ("cpu", "cores", "embree")), []).append(file)
+        machines.setdefault(machine_type(file), []).append(file)
     return [Machine(group) for group in machines.values()]
 
 

@@ -109,6 +109,44 @@ TEST_F(Charts, AreDrawnOfWhateverTheRecordsHold) {
   }
 }
 
+// As of benchmarks that several machines made, a scene each.
+TEST_F(Charts, JoinScenesMeasuredApartOnMachinesOfOneType) {
+  Report whole = bench_report();
+  Report a, b;
+  for (const BuildResult& build : whole.builds) (build.scene == "a" ? a : b).builds.push_back(build);
+  for (const SpeedResult& speed : whole.speeds) (speed.scene == "a" ? a : b).speeds.push_back(speed);
+  whole.summaries.clear();
+  Machine machine{.cpu = "cpu", .cores = 8, .memory_gb = 1, .instruction_set = "avx2", .embree = "3.13.5"};
+  write("whole.json", to_json(whole, machine, "abc"));
+  write("a.json", to_json(a, machine, "abc"));
+  machine.memory_gb = 2;
+  write("b.json", to_json(b, machine, "abc"));
+  ASSERT_EQ(charts(at("whole.json")).exit_code, 0);
+  const std::string expected = content("speed-bounce-1-threads.svg");
+  fs::remove_all(folder / "charts");
+  ASSERT_EQ(charts(at("a.json") + " " + at("b.json")).exit_code, 0);
+  EXPECT_EQ(content("speed-bounce-1-threads.svg"), expected);
+  fs::remove_all(folder / "charts");
+
+  const auto refused = [&](const Machine& other) {
+    write("other.json", to_json(b, other, "abc"));
+    const std::string reason = "machines of two types: cpu, 8 cores, Embree 3.13.5; ";
+    expect_refusal(charts(at("a.json") + " " + at("other.json")), reason);
+    expect_refusal(stbvh_ab("pareto --from " + at("a.json") + "," + at("other.json")), reason);
+  };
+  Machine other = machine;
+  other.cpu = "another";
+  refused(other);
+  other = machine;
+  other.cores = 4;
+  refused(other);
+  other = machine;
+  other.embree = "4.3.3";
+  refused(other);
+  const Outcome same = stbvh_ab("pareto --from " + at("a.json") + "," + at("b.json"));
+  EXPECT_NE(same.out.find("no structure has both"), std::string::npos) << same.out;
+}
+
 TEST_F(Charts, OfAGalleryAreItsOwn) {
   write("gallery.json", to_json(gallery_report(), Machine{}, "abc"));
   const Outcome run = charts(at("gallery.json"));
