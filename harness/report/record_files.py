@@ -118,7 +118,7 @@ def read_file(path):
 # Fields of records; all others are numbers.
 TEXTS = {"kind", "scene", "structure", "family", "reference", "measure", "rays", "over", "what", "worst_scene", "origin",
          "picture", "reference_structure", "reference_picture", "difference_picture", "compared_with", "step_limit", "obstacle"}
-HOLDERS = {"ratios_to_embree", "difference", "nodes", "triangles", "worst", "warnings", "shapes"}  # also of a number: "triangles"
+HOLDERS = {"ratios_to_embree", "difference", "differences", "nodes", "triangles", "worst", "warnings", "shapes"}
 
 
 def check_record(record, path):
