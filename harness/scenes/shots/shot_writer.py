@@ -1,4 +1,6 @@
 """From what moves in a file to what is handed over: the same for all kinds of files."""
+import bisect
+
 import numpy as np
 
 from handover import ShotProblem
@@ -87,10 +89,11 @@ def write_items(out, notes, items, shutter, share):
 
     def write(item):
         deviation = 0.0
+        times = sorted(set(item.times()))
         parts = shown_parts(item, shutter)
         for begin, end, faces in parts:
             positions = checked_positions(item, faces.vertex_count())
-            knots = [time for time in item.times() if begin < time < end]
+            knots = times[bisect.bisect_right(times, begin):bisect.bisect_left(times, end)]
             motion = Motion(shutter, begin, end, knots, positions, tolerance)
             deviation = max(deviation, motion.deviation)
             if motion.steps:
