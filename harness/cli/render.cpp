@@ -48,11 +48,12 @@ class Outputs {
  public:
   Outputs(const RenderOptions& options, const std::vector<SceneSource>& sources)
       : output_(options.output), strip_(options.settings.strip) {
-    const std::vector<int>& frames = options.frames.numbers;
+    std::vector<std::optional<int>> frames(options.frames.numbers.begin(), options.frames.numbers.end());
     std::error_code error;
     is_folder_ =
         sources.size() * options.structures.size() > 1 || !frames.empty() || fs::is_directory(output_, error);
     if (is_folder_) make_folder(output_);
+    if (frames.empty()) frames.push_back(std::nullopt);
     std::set<fs::path> all;
     const auto check = [&](const fs::path& path) {
       if (!all.insert(path).second)
@@ -62,10 +63,8 @@ class Outputs {
     };
     for (const SceneSource& source : sources) {
       for (const std::string& structure : options.structures) {
-        for (const int frame : frames) check(file(source.name, structure, frame));
-        if (frames.empty()) check(file(source.name, structure, std::nullopt));
-        const fs::path first =
-            file(source.name, structure, frames.empty() ? std::nullopt : std::optional(frames.front()));
+        for (const auto& frame : frames) check(file(source.name, structure, frame));
+        const fs::path first = file(source.name, structure, frames.front());
         check_writable(first);
         if (options.png) check_writable(png_beside(first));
       }
@@ -149,14 +148,21 @@ bool is_finished(const fs::path& file, const Metadata& making, const Strip& stri
   return false;
 }
 
-/// Prints warnings of many frames: one line of each kind, whose numbers are the first frame's.
-SceneWarning told_once() {
-  return [told = std::make_shared<std::set<std::string>>()](const std::string& sentence) {
+/// Prints what scenes are shown without: all of the first take; of later ones, kinds that none before had,
+/// which are sentences but for their numbers.
+class TakeWarnings {
+ public:
+  void begin_take() { earlier_.merge(present_); }
+  void tell(const std::string& sentence) {
     std::string kind = sentence;
     std::erase_if(kind, [](unsigned char c) { return std::isdigit(c) != 0; });
-    if (told->insert(kind).second) print_warning(sentence);
-  };
-}
+    if (!earlier_.contains(kind)) print_warning(sentence);
+    present_.insert(std::move(kind));
+  }
+
+ private:
+  std::set<std::string> earlier_, present_;
+};
 
 /// What is told of the pictures of a scene through one structure.
 struct Tally {
@@ -199,13 +205,15 @@ class RenderRun {
   bool has_frames() const { return !options_.frames.numbers.empty(); }
 
   void render_scene(const std::string& asked) {
+    TakeWarnings warnings;
     MakingOptions making = options_;
-    making.warn = told_once();
+    making.warn = [&](const std::string& sentence) { warnings.tell(sentence); };
     std::vector<std::string> structures = options_.structures;
     std::map<std::string, Tally> tallies;
     std::string name;
     framing_.reset();
     for (const Take& take : takes_of(options_.frames, making, options_.settings.shutter)) {
+      warnings.begin_take();
       const SceneSource source = find_scene(asked, take.making);
       progress_.stage(fmt::format("{}: making the scene", source.name));
       Scene scene = source.load();

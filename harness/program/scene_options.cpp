@@ -2,14 +2,17 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <string_view>
 
 #include "harness/program/options.h"
+#include "harness/program/program.h"
 #include "harness/program/usage_error.h"
 #include "harness/scenes/procedural/procedural.h"
 
@@ -102,6 +105,11 @@ void keep_words(CLI::App& app, std::size_t first, std::vector<std::string>& word
 }
 
 }  // namespace
+
+void print_warning(const std::string& sentence) {
+  const bool is_terminal = isatty(STDERR_FILENO) != 0;  // where a line of Progress may stand
+  fmt::print(stderr, "{}stbvh-ab: {}\n", is_terminal ? "\r\x1b[K" : "", one_line(sentence));
+}
 
 std::vector<std::string> named_scenes(const std::vector<std::string>& asked) {
   std::vector<std::string> names;

@@ -1,11 +1,9 @@
 #include "harness/program/scene_source.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
 
 #include "harness/program/closest_name.h"
@@ -132,11 +130,6 @@ Scene checked(Scene scene, const std::string& name) {
   }
   if (!(size > 0)) throw UsageError(fmt::format("The scene \"{}\" has no extent.", name));
   return scene;
-}
-
-void print_warning(const std::string& sentence) {
-  const bool is_terminal = isatty(STDERR_FILENO) != 0;  // where a line of Progress may stand
-  fmt::print(stderr, "{}stbvh-ab: {}\n", is_terminal ? "\r\x1b[K" : "", one_line(sentence));
 }
 
 Scene handed_over(Scene scene, const Resampling& resampling, double tolerance, const MemoryBudget& budget) {
