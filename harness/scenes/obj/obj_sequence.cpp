@@ -1,14 +1,18 @@
 #include "harness/scenes/obj/obj_sequence.h"
 
+#include <dirent.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cctype>
+#include <cerrno>
 #include <charconv>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <regex>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "harness/scenes/scene.h"
@@ -112,14 +116,17 @@ bool begins_as_number(std::string_view text) {
   return !text.empty() && is_digit(text.front());
 }
 
+/// By POSIX: where memory runs out, libstdc++'s directory_iterator ends the process (14's by a stray read).
 std::vector<fs::path> list_folder(const fs::path& folder) {
+  const std::unique_ptr<DIR, int (*)(DIR*)> open(opendir(folder.empty() ? "." : folder.c_str()), closedir);
+  errno = open ? 0 : errno;
   std::vector<fs::path> files;
-  std::error_code error;
-  for (fs::directory_iterator entry(folder.empty() ? fs::path(".") : folder, error), end;
-       !error && entry != end; entry.increment(error)) {
-    files.push_back(folder / entry->path().filename());
+  while (const dirent* const entry = open ? readdir(open.get()) : nullptr) {
+    const std::string_view name = entry->d_name;
+    if (name != "." && name != "..") files.push_back(folder / name);
+    errno = 0;
   }
-  if (error) fail("{}: the folder cannot be read", folder.string());
+  if (errno != 0) fail("{}: the folder cannot be read: {}", folder.string(), std::generic_category().message(errno));
   std::sort(files.begin(), files.end());
   return files;
 }
