@@ -441,8 +441,8 @@ class Chaos {
     ours().rtcSetSceneProgressMonitorFunction(state.scene, nullptr, nullptr);
     EXPECT_LE(watched_.errors.size(), 1u);
     for (const RTCError error : watched_.errors) EXPECT_EQ(error, RTC_ERROR_CANCELLED);
-    // Not traced before the next commit: here Embree 3.13.5 itself may read the trees that it has freed, where
-    // meshes stay native.
+    // Not traced before the next commit: here Embree 3.13.5 itself may read the trees that it has freed,
+    // where meshes stay native.
     watched_.errors.clear();
     ours().rtcGetDeviceError(watched_.device);
     ours().rtcCommitScene(state.scene);

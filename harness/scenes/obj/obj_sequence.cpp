@@ -126,7 +126,8 @@ std::vector<fs::path> list_folder(const fs::path& folder) {
     if (name != "." && name != "..") files.push_back(folder / name);
     errno = 0;
   }
-  if (errno != 0) fail("{}: the folder cannot be read: {}", folder.string(), std::generic_category().message(errno));
+  if (errno != 0)
+    fail("{}: the folder cannot be read: {}", folder.string(), std::generic_category().message(errno));
   std::sort(files.begin(), files.end());
   return files;
 }
