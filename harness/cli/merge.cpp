@@ -11,13 +11,13 @@
 #include <vector>
 
 #include "harness/cli/commands.h"
+#include "harness/cli/picture_files.h"
 #include "harness/images/exr_file.h"
 #include "harness/images/png_file.h"
 #include "harness/images/tone_map.h"
 #include "harness/program/picture_metadata.h"
 #include "harness/program/progress.h"
 #include "harness/program/usage_error.h"
-#include "plugin/files/output_file.h"
 
 namespace stbvh::harness {
 namespace {
@@ -145,11 +145,8 @@ LayeredImage merged(std::vector<TileFile>& tiles) {
 }
 
 void run_merge(const MergeOptions& options) {
-  const fs::path output = options.output, png = fs::path(output).replace_extension(".png");
-  if (options.png && png == output)
-    throw UsageError(fmt::format("\"{}\" is the OpenEXR file: it cannot end in .png.", options.output));
-  check_writable(output);
-  if (options.png) check_writable(png);
+  const fs::path output = options.output;
+  check_picture_file(output, options.png);
   Progress progress;
   std::vector<TileFile> tiles;
   for (const std::string& name : options.tiles) {
@@ -159,7 +156,7 @@ void run_merge(const MergeOptions& options) {
   progress.clear();
   const LayeredImage whole = merged(tiles);
   write_exr(whole, output);
-  if (options.png) write_png(tone_mapped(whole), png);
+  if (options.png) write_png(tone_mapped(whole), png_beside(output));
   fmt::print("{} ({} tiles, rendered in {} s)\n", options.output, tiles.size(),
              value_of(whole.metadata, "seconds"));
 }

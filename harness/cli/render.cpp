@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "harness/cli/commands.h"
+#include "harness/cli/picture_files.h"
 #include "harness/cli/render_options.h"
 #include "harness/cli/report_pictures.h"
 #include "harness/cli/shot_film.h"
@@ -39,8 +40,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-fs::path png_beside(fs::path file) {
-  return file.replace_extension(".png");
+/// Whether frames are shown as a film: whole ones.
+bool has_film(const RenderOptions& options) {
+  return options.png && !options.frames.numbers.empty() && options.settings.strip.count == 1;
 }
 
 /// The file of each picture, which can be written as things stand.
@@ -58,15 +60,12 @@ class Outputs {
     const auto check = [&](const fs::path& path) {
       if (!all.insert(path).second)
         throw UsageError(fmt::format("Two pictures would be written to \"{}\".", path.string()));
-      if (options.png && png_beside(path) == path)
-        throw UsageError(fmt::format("\"{}\" is the OpenEXR file: it cannot end in .png.", path.string()));
+      check_picture_file(path, options.png);
     };
     for (const SceneSource& source : sources) {
       for (const std::string& structure : options.structures) {
         for (const auto& frame : frames) check(file(source.name, structure, frame));
-        const fs::path first = file(source.name, structure, frames.front());
-        check_writable(first);
-        if (options.png) check_writable(png_beside(first));
+        if (has_film(options)) check_writable(film(source.name, structure));
       }
     }
   }
@@ -166,7 +165,7 @@ class TakeWarnings {
 
 /// What is told of the pictures of a scene through one structure.
 struct Tally {
-  std::size_t pictures = 0, finished_before = 0;
+  std::size_t pictures = 0, finished_before = 0, empty = 0;
   double build_s = 0;
   std::size_t most_bytes = 0;  ///< of a structure
   double seconds = 0;
@@ -264,6 +263,7 @@ class RenderRun {
     Metadata making = making_metadata(settings, scene, hash, name, options_.environment);
     if (frame.number) making.emplace_back("frame", fmt::format("{}", *frame.number));
     ++tally.pictures;
+    if (scene.meshes.empty()) ++tally.empty;
     --left_;
     if (options_.resume) {
       progress_.clear();
@@ -325,8 +325,9 @@ class RenderRun {
   }
 
   void finish_shot(const std::string& scene, const std::string& structure, const Tally& tally) {
-    std::string line =
-        fmt::format("{}: {} frames", outputs_.pattern(scene, structure).string(), tally.pictures);
+    std::string line = fmt::format("{}: {} frame{}", outputs_.pattern(scene, structure).string(),
+                                   tally.pictures, tally.pictures == 1 ? "" : "s");
+    if (tally.empty > 0) line += fmt::format(", {} without a mesh", tally.empty);
     if (tally.finished_before > 0) line += fmt::format(", {} finished before", tally.finished_before);
     if (tally.finished_before < tally.pictures)
       line += fmt::format(
@@ -334,7 +335,7 @@ class RenderRun {
           tally.build_s, static_cast<double>(tally.most_bytes) / 1e6, tally.seconds,
           mrays_per_s(tally.rays, tally.seconds));
     print_line("{}\n", line);
-    if (!options_.png || options_.settings.strip.count > 1) return;
+    if (!has_film(options_)) return;
     std::vector<fs::path> pictures;
     for (const int frame : options_.frames.numbers)
       pictures.push_back(png_beside(outputs_.file(scene, structure, frame)));

@@ -52,6 +52,14 @@ void check_reachable(const std::string& name) {
   if (error) throw UsageError(fmt::format("Cannot read \"{}\": {}.", name, error.message()));
 }
 
+/// As checked(), of that part of a file's time.
+Scene checked_part(Scene scene, const std::string& name, const std::optional<FilePart>& part) {
+  const bool is_empty = scene.meshes.empty() && may_be_empty(part);
+  if (!is_empty) return checked(std::move(scene), name);
+  scene.name = name;
+  return scene;
+}
+
 SceneSource file_source(const std::string& name, const MakingOptions& making) {
   check_reachable(name);
   const std::string stem = std::filesystem::path(name).stem().string();
@@ -59,8 +67,9 @@ SceneSource file_source(const std::string& name, const MakingOptions& making) {
     return {stem, [=, warn = making.warn] { return checked(load_saved(name, warn), stem); }};
   if (is_embree_file(name))
     return {stem, [=, warn = making.warn] { return checked(load_embree_xml(name, warn), stem); }};
-  return {stem,
-          [=, gltf = making.gltf, warn = making.warn] { return checked(load_gltf(name, gltf, warn), stem); }};
+  return {stem, [=, gltf = making.gltf, warn = making.warn] {
+            return checked_part(load_gltf(name, gltf, warn), stem, gltf.shutter);
+          }};
 }
 
 SceneSource obj_source(const std::string& name, const MakingOptions& making) {
@@ -77,7 +86,8 @@ SceneSource shot_source(const std::string& name, const MakingOptions& making) {
   ShotOptions shot{.shutter = making.gltf.shutter};
   if (making.gltf.at_keys && making.gltf.largest_deviation)
     shot.largest_deviation = *making.gltf.largest_deviation;
-  return {stem, [=, warn = making.warn] { return checked(read_shot(name, shot, warn), stem); }};
+  return {stem,
+          [=, warn = making.warn] { return checked_part(read_shot(name, shot, warn), stem, shot.shutter); }};
 }
 
 SceneSource built_in_source(const std::string& name, const MakingOptions& options) {
@@ -112,6 +122,7 @@ SceneSource find_source(const std::string& name, const MakingOptions& making) {
 /// As Scene::max_bytes.
 std::optional<std::size_t> bytes_of(const MemoryBudget& budget, const Scene& scene) {
   if (!budget.share) return budget.bytes;
+  if (scene.meshes.empty()) return {};
   if (const std::string why = obstacle("embree", scene); !why.empty())
     throw UsageError(fmt::format("--max-bytes: embree, of whose bytes it is a share, has none: {}.", why));
   const std::size_t embrees = build_structure("embree", scene, 0)->build_record().structure_bytes;

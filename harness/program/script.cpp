@@ -4,12 +4,18 @@
 #include <spawn.h>
 #include <sys/wait.h>
 
+#include <cerrno>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <stdexcept>
+#include <system_error>
+#include <thread>
 #include <utility>
+
+#include "harness/scenes/cancellation.h"
 
 extern char** environ;  // NOLINT: POSIX declares it nowhere
 
@@ -33,6 +39,20 @@ std::string find_script(const std::string& own_folder, const std::string& name) 
                   (program_folder / kScriptFolders[0] / own_folder).lexically_normal().string()));
 }
 
+/// The status that `child` ends with. Where the caller's work is cancelled it is ended: SceneCancelled.
+int end_of(pid_t child) {
+  constexpr std::chrono::milliseconds kWait{10};
+  for (int status = 0;; std::this_thread::sleep_for(kWait)) {
+    const pid_t ended = waitpid(child, &status, WNOHANG);
+    if (ended == child) return status;
+    if (ended < 0) throw std::system_error(errno, std::generic_category(), "waitpid");
+    if (!tbb::is_current_task_group_canceling()) continue;
+    kill(child, SIGKILL);
+    waitpid(child, &status, 0);
+    throw SceneCancelled();
+  }
+}
+
 /// As run_program(), with the signals `blocked` blocked in it.
 std::optional<ScriptEnd> run(std::vector<std::string> words, const sigset_t& blocked) {
   std::vector<char*> argv;
@@ -44,10 +64,10 @@ std::optional<ScriptEnd> run(std::vector<std::string> words, const sigset_t& blo
   posix_spawnattr_setsigmask(&attributes, &blocked);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK);
   pid_t child = 0;
-  int status = 0;
   const int error = posix_spawnp(&child, argv[0], nullptr, &attributes, argv.data(), environ);
   posix_spawnattr_destroy(&attributes);
-  if (error != 0 || waitpid(child, &status, 0) != child) return std::nullopt;
+  if (error != 0) return std::nullopt;
+  const int status = end_of(child);
   if (WIFSIGNALED(status)) return ScriptEnd{.exit_code = 0, .signal = WTERMSIG(status)};
   return ScriptEnd{.exit_code = WEXITSTATUS(status), .signal = 0};
 }

@@ -20,11 +20,12 @@ struct ScriptEnd {
 };
 
 /// Runs the program `words[0]`, which is looked for in PATH, and waits; empty where it cannot be run. It
-/// inherits what is open.
+/// inherits what is open. Where the task group (TBB's) of the caller is cancelled it is ended:
+/// SceneCancelled.
 std::optional<ScriptEnd> run_program(std::vector<std::string> words);
 
 /// Runs the script `name`, of this folder beside the program or in the data folder, with Debian's Python, and
-/// waits. It inherits what is open. Throws std::runtime_error if there is no Python or no script.
+/// waits, likewise. Throws std::runtime_error if there is no Python or no script.
 ScriptEnd run_python(const std::string& folder, const std::string& name,
                      const std::vector<std::string>& arguments);
 

@@ -49,7 +49,10 @@ Scene read_shot(const std::string& name, const ShotOptions& options, const Scene
   arguments.insert(arguments.end(), {"--", name, std::to_string(handover->descriptor())});
   const ScriptEnd end = run_python("shots", "read_shot.py", arguments);
   if (end.signal == SIGINT) throw Interrupted(fmt::format("{} was not read.", name));
-  return load_shot(handover->path(), name, describe(end), warn);
+  Scene scene = load_shot(handover->path(), name, describe(end), warn);
+  if (scene.meshes.empty() && !may_be_empty(options.shutter))
+    throw SceneFileError(fmt::format("{}: it has no mesh that can be shown", name));
+  return scene;
 }
 
 }  // namespace stbvh::harness

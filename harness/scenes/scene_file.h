@@ -24,6 +24,11 @@ struct FilePart {
   double frame_rate = 0;  ///< frames in a second; 0: those of the file, or kFrameRate
 };
 
+/// Whether a scene may have no mesh: a frame of a shot may be empty.
+inline bool may_be_empty(const std::optional<FilePart>& part) {
+  return part && part->is_in_frames;
+}
+
 /// Frames in a second where a file does not say.
 inline constexpr double kFrameRate = 24;
 

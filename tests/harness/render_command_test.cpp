@@ -90,7 +90,7 @@ TEST_F(RenderCommand, RefusesWhatCannotBe) {
   for (const char* bad : {"",
                           "-o /proc/none/a.exr",
                           "-o /no/such/directory/a.exr",
-                          "-o a.png --png",
+                          "-o a.png",
                           "-o a.exr --size 0x5",
                           "-o a.exr --size 5",
                           "-o a.exr --size 5x1e9",

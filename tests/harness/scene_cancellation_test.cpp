@@ -8,6 +8,7 @@
 #include <fstream>
 #include <functional>
 
+#include "harness/program/script.h"
 #include "harness/scenes/embree_xml/embree_xml.h"
 #include "harness/scenes/gltf/gltf.h"
 #include "harness/scenes/obj/obj.h"
@@ -76,6 +77,18 @@ TEST(SceneCancellation, StopsTheReadingOfFiles) {
     EXPECT_TRUE(stops(read));
     EXPECT_FALSE(stops(read, false));
   }
+}
+
+/// Those that read shots, too.
+TEST(SceneCancellation, EndsPrograms) {
+  const auto run = [](const char* seconds) {
+    return [=] {
+      const auto end = run_program({"sleep", seconds});
+      EXPECT_TRUE(end && end->exit_code == 0);
+    };
+  };
+  EXPECT_TRUE(stops(run("3600")));
+  EXPECT_FALSE(stops(run("0.1"), false));
 }
 
 }  // namespace

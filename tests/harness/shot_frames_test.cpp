@@ -1,15 +1,19 @@
 /// Frames of a shot: what of a file each of them shows, and the command that renders them.
 #include "harness/cli/shot_frames.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <iterator>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "harness/images/exr_file.h"
 #include "harness/program/usage_error.h"
 #include "harness/scenes/gltf/gltf.h"
+#include "harness/structures/structure_under_test.h"
 #include "tests/harness/gltf_files.h"
 #include "tests/harness/run_stbvh_ab.h"
 
@@ -181,6 +185,44 @@ TEST_F(ShotFrames, AreTakenUp) {
   EXPECT_EQ(run(command + " --fps 12").out.find("finished before"), std::string::npos);
 }
 
+/// Hidden in the second half of the first second.
+Document blinking() {
+  Document d;
+  d.root["nodes"][0]["extensions"]["KHR_node_visibility"]["visible"] = true;
+  const int times = d.add<float>("SCALAR", 5126, {0, 0.5f, 1});
+  const int visible = d.add<std::uint8_t>("SCALAR", 5121, {1, 0, 1});
+  d.root["animations"][0]["samplers"][0] = {{"input", times}, {"output", visible}, {"interpolation", "STEP"}};
+  d.root["animations"][0]["channels"][0] = {
+      {"sampler", 0},
+      {"target",
+       {{"path", "pointer"},
+        {"extensions",
+         {{"KHR_animation_pointer", {{"pointer", "/nodes/0/extensions/KHR_node_visibility/visible"}}}}}}}};
+  return d;
+}
+
+TEST_F(ShotFrames, MayBeEmpty) {
+  write("slide.glb", blinking().bytes());
+  const auto covered = [&](const char* number) {
+    const std::vector<float> depth = *frame("made", number).find("depth.Z");
+    return std::ranges::count_if(depth, [](float z) { return z > 0; });
+  };
+  for (const char* const steps : {"", " --steps keys", " --steps auto:1e-3", " --one-structure"}) {
+    const std::string command = render("11,18,25") + steps + " --max-bytes 200% -o " + at("made");
+    const bool is_apart = std::string(steps) != " --one-structure";
+    EXPECT_EQ(run(command).out.find(", 1 without a mesh") != std::string::npos, is_apart) << steps;
+    EXPECT_GT(covered("0011"), 0) << steps;
+    EXPECT_EQ(covered("0018"), 0) << steps;
+    EXPECT_GT(covered("0025"), 0) << steps;
+  }
+  run(render("18") + " --structures all -o " + at("made"));
+  for (const std::string_view structure : structure_names()) {
+    const LayeredImage image = read_exr(folder / "made" / fmt::format("slide-{}.0018.exr", structure));
+    for (const char* const channel : {"R", "G", "B"})
+      EXPECT_EQ(*image.find(channel), *frame("made", "0018").find(channel)) << structure;
+  }
+}
+
 /// Stands in for ffmpeg: that is a large package.
 TEST_F(ShotFrames, AreAFilm) {
   fs::create_directory(folder / "bin");
@@ -213,6 +255,14 @@ TEST_F(ShotFrames, ThatCannotBeAreRefused) {
   expect_refusal(stbvh_ab(render("1-2") + " --shutter 0.5,0 -o " + at("a")), "--shutter must be A,B");
   expect_refusal(stbvh_ab("render --scenes wheels --one-structure -o " + at("a")), "--frames");
   EXPECT_FALSE(fs::exists(folder / "a"));
+  // What cannot be written is known before the first is rendered.
+  for (const char* const name : {"slide-stbvh.0003.exr", "slide-stbvh.0003.png", "slide-stbvh.mp4"}) {
+    const fs::path in_the_way = folder / "b" / name;
+    fs::create_directories(in_the_way);
+    expect_refusal(stbvh_ab(render("1-3") + " --png -o " + at("b")), "Cannot write to");
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder / "b"), {}), 1) << name;
+    fs::remove(in_the_way);
+  }
 }
 
 }  // namespace

@@ -177,6 +177,19 @@ TEST_F(ShotsTest, FramesAreTimeCodesOfAUsdFile) {
   EXPECT_EQ(places({6, 12, true}, cube), places({0.25, 0.5}, cube));
 }
 
+TEST_F(ShotsTest, AFrameMayBeEmpty) {
+  const fs::path file = write("blink.usda", R"(#usda 1.0
+def Mesh "triangle" {
+    token visibility.timeSamples = { 1: "inherited", 4: "invisible", 7: "inherited" }
+    int[] faceVertexCounts = [3]
+    int[] faceVertexIndices = [0, 1, 2]
+    point3f[] points = [(-1, -1, 0), (1, -1, 0), (0, 1, 0)]
+})");
+  EXPECT_EQ(load(file, {.shutter = FilePart{2, 3, true}}).meshes.size(), 1u);
+  EXPECT_EQ(load(file, {.shutter = FilePart{5, 6, true}}).meshes.size(), 0u);
+  EXPECT_THROW(load(file, {.shutter = FilePart{5.0 / 24, 6.0 / 24}}), SceneFileError);
+}
+
 /// Ours and those of others.
 std::vector<std::string> all_files() {
   std::vector<std::string> files;

@@ -375,7 +375,7 @@ Scene load(const std::filesystem::path& file, const GltfOptions& options, const 
   const std::vector<NamedPrimitive> primitives = reader.take();
   if (primitives.empty()) fail("its scene has no triangles");
   const std::vector<Part> parts = visible_parts(primitives, timeline);
-  if (parts.empty()) fail("all meshes of its scene are hidden");
+  if (parts.empty() && !may_be_empty(options.shutter)) fail("all meshes of its scene are hidden");
 
   std::vector<Motion> motions = make_motions(model, parts, timeline, options, warn);
   Scene scene;
@@ -383,7 +383,7 @@ Scene load(const std::filesystem::path& file, const GltfOptions& options, const 
   for (std::size_t i = 0; i < parts.size(); ++i)
     scene.meshes.push_back(make_mesh(parts[i], std::move(motions[i])));
   leave_out_invalid_triangles(scene, file, tell);
-  if (scene.meshes.empty()) fail("none of its triangles can be shown");
+  if (scene.meshes.empty() && !parts.empty()) fail("none of its triangles can be shown");
   const std::size_t camera_steps = chooses_steps ? camera_step_count(options.shutter) : options.steps;
   add_surroundings(model, timeline, nodes, camera_steps, warn, scene);
   return scene;

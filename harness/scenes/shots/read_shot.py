@@ -7,7 +7,6 @@ deviation is a share of the scene's diagonal.
 Whatever is wrong is handed over too, so the exit code is 0 but where the process is ended.
 """
 import argparse
-import ctypes
 import os
 import resource
 import signal
@@ -17,7 +16,6 @@ import shot_environment
 
 MOST_SECONDS = 3600  # of the processor: some malformed files keep a library busy for ever
 MOST_MEMORY = 64 << 30
-PR_SET_PDEATHSIG = 1  # it does not outlive who asked
 
 
 def options():
@@ -77,7 +75,7 @@ def read(asked):
 def main():
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, [signal.SIGINT])
-    ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)
+    shot_environment.end_with_parent()
     asked = options()
     if not shot_environment.is_inside():
         try:

@@ -44,7 +44,7 @@ class ShotLoader {
     if (!is_whole && problem_.empty()) problem_ = ending;
     tell_of_polygons();
     leave_out_invalid_triangles(scene_, name_, warn_);
-    if (scene_.meshes.empty()) fail(name_, problem_.empty() ? "has no mesh that can be shown" : problem_);
+    if (scene_.meshes.empty() && !problem_.empty()) fail(name_, problem_);
     if (!problem_.empty()) tell(fmt::format("it {}; what was read before is shown", problem_));
     set_camera();
     return std::move(scene_);

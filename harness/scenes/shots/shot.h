@@ -16,7 +16,7 @@ bool is_shot_name(const std::string& name);
 /// steps, at times of their own where they are not equidistant; polygons are cut into triangles by their
 /// first step (cut_polygon()), cages refined as those of Embree's XML are. What the script had finished is
 /// used where it ended early: then `ending` says how ("was ended by a signal"). Tells `warn` what is left
-/// out. Throws SceneFileError where nothing can be shown.
+/// out. Without meshes where the file shows none then. Throws SceneFileError where it cannot be read.
 Scene load_shot(const std::filesystem::path& handover, const std::string& name, const std::string& ending,
                 const SceneWarning& warn);
 

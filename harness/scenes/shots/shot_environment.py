@@ -2,10 +2,12 @@
 
 Needs nothing but Debian's python3 and python3-venv.
 """
+import ctypes
 import fcntl
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 import sys
 
@@ -33,8 +35,15 @@ def is_inside():
     return os.path.realpath(sys.prefix) == os.path.realpath(folder())
 
 
+def end_with_parent():
+    """From here on this process does not outlive who started it."""
+    pr_set_pdeathsig = 1
+    ctypes.CDLL(None).prctl(pr_set_pdeathsig, signal.SIGKILL)
+
+
 def run(command, what):
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False,
+                          preexec_fn=end_with_parent)
     if done.returncode != 0:
         lines = [line.strip() for line in done.stdout.decode(errors="replace").splitlines() if line.strip()]
         errors = [line for line in lines if line.startswith(("ERROR:", "Error:"))] or lines[-1:] or ["it said nothing"]
