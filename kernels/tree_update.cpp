@@ -103,7 +103,7 @@ class Update {
       if (fates_[record] != RecordEdit::Fate::kRemoved) {
         index_of_record_[record] = index;
         is_kept[index] = true;
-      } else if (index == kNowhere && !is_gone[was]) {
+      } else if ((index == kNowhere || is_empty(index)) && !is_gone[was]) {
         ++statistics_.meshes_removed;
         is_gone[was] = true;  // with its other parts
       }
@@ -136,6 +136,8 @@ class Update {
     if (updates_[index].change == MeshChange::kNothing) return RecordEdit::Fate::kStays;
     return moved_[record] ? RecordEdit::Fate::kMoved : RecordEdit::Fate::kRemoved;
   }
+
+  bool is_empty(std::size_t index) const { return meshes_[index].triangle_count == 0; }
 
   bool is_small() const {
     std::size_t built = 0;
@@ -255,7 +257,7 @@ class Update {
     const std::vector<std::uint32_t> records = tree_.meshes.add(context, built);
     index_of_record_.resize(tree_.meshes.size(), kNowhere);
     for (const std::uint32_t record : records) index_of_record_[record] = index;
-    ++statistics_.meshes_built;
+    if (!is_empty(index)) ++statistics_.meshes_built;
     if (built.root() == nullptr) return true;
 
     const Encoder encoder(context, built.root(), kNoLimit);

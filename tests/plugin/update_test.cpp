@@ -129,6 +129,18 @@ TEST_F(PluginUpdates, DoTheWorkOfTheChangeOnly) {
   EXPECT_EQ(replaced.meshesBuilt, 1u);
   EXPECT_EQ(replaced.triangles, built.triangles - 20);
 
+  StbvhMeshArguments without_triangles;
+  stbvhInitMeshArguments(&without_triangles);
+  ASSERT_EQ(stbvhGetMesh(geometry_.get(), 3, &without_triangles), RTC_ERROR_NONE);
+  without_triangles.triangleCount = 0;
+  ASSERT_EQ(stbvhSetMesh(geometry_.get(), 3, &without_triangles), RTC_ERROR_NONE);
+  ASSERT_EQ(stbvhCommitGeometry(geometry_.get()), RTC_ERROR_NONE);
+  const StbvhStatistics removed = statistics_of(geometry_);
+  EXPECT_EQ(removed.isUpdate, 1u);
+  EXPECT_EQ(removed.meshesRemoved, 1u);
+  EXPECT_EQ(removed.meshesBuilt, 0u);
+  EXPECT_EQ(removed.triangles, built.triangles - 50);
+
   ASSERT_EQ(stbvhSetGeometryTolerance(geometry_.get(), STBVH_KEEP_ALL_STEPS), RTC_ERROR_NONE);
   ASSERT_EQ(stbvhCommitGeometry(geometry_.get()), RTC_ERROR_NONE);
   EXPECT_EQ(statistics_of(geometry_).isUpdate, 0u);

@@ -180,7 +180,7 @@ struct MeshUpdate {
 struct UpdateStatistics {
   std::size_t meshes_refitted = 0;  ///< kept their leaves, with other positions
   std::size_t meshes_built = 0;     ///< each as a subtree of its own
-  std::size_t meshes_removed = 0;
+  std::size_t meshes_removed = 0;   ///< or have no triangles now
   std::size_t leaves_refitted = 0;
   /// What rays have to do, in surface area (MBSAH), to what they would have in a tree built anew, as far as
   /// that is known: 1 of a tree just built.

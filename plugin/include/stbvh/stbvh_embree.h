@@ -214,7 +214,7 @@ struct StbvhStatistics {
   size_t isUpdate;          /**< 1: the last commit changed the tree that was there, 0: it built one anew */
   size_t meshesRefitted;    /**< by it: kept their leaves, with other positions */
   size_t meshesBuilt;       /**< by it: all, or those that were new or had other triangles, steps or times */
-  size_t meshesRemoved;     /**< by it */
+  size_t meshesRemoved;     /**< by it: have no triangles now */
   size_t leavesRefitted;    /**< by it */
   double expectedCost;  /**< what rays have to do, relative to a tree built anew, as far as that is known */
   double commitSeconds; /**< that stbvhCommitGeometry took */
