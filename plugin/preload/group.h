@@ -1,7 +1,6 @@
 /// Moving meshes of a scene in one structure, behind one user geometry.
 #pragma once
 
-#include <atomic>
 #include <functional>
 #include <memory>
 #include <span>
@@ -42,14 +41,10 @@ const GroupCallbacks& group_callbacks();
 /// Whether a user geometry with this user data is a group's.
 bool is_group(const void* user_data);
 
-namespace detail {
-inline std::atomic<bool> any_group{false};
-}
-
-/// Whether there has been a group yet.
-inline bool had_groups() {
-  return detail::any_group.load(std::memory_order_relaxed);
-}
+#if RTC_VERSION_MAJOR >= 4
+/// From now on rays are looked at before Embree gets them (embree4/interposed_rays.cpp): there is a group.
+void look_at_rays();
+#endif
 
 class Group {
  public:

@@ -1,5 +1,6 @@
 /// Rays. An application may bring the callback of all user geometries with a ray, and would be asked for ours
 /// then. And where a scene holds nothing that is not ours, Embree need not be asked.
+#include <atomic>
 #include <new>
 
 #include "plugin/preload/group.h"
@@ -89,10 +90,10 @@ void raise(RTCScene scene, RTCError code, const char* message) {
 }
 
 /// A query of `size` rays where there are groups; `native` is Embree's own, with the options that it is
-/// given. Apart from its callers, which are short without it.
+/// given.
 template <typename Query, typename Native>
-[[gnu::noinline]] void query(const int* valid, void* scene, void* rays, unsigned size,
-                             typename Query::Options* options, Native&& native) {
+void query(const int* valid, void* scene, void* rays, unsigned size, typename Query::Options* options,
+           Native&& native) {
   if (const Published* const published = answers_alone(static_cast<RTCScene>(scene))) {
     try {
       return ask<Query>(*published, valid, rays, size, options);
@@ -110,43 +111,80 @@ template <typename Query, typename Native>
 
 constexpr int kValid = -1;
 
+/// Where a ray function of the application's goes: to Embree's own without a look, as long as there is no
+/// group. Until Embree is found it goes to `first`.
+template <typename Function>
+class RayCall {
+ public:
+  constexpr RayCall(Function* first, Function* looks) : target_(first), first_(first), looks_(looks) {}
+
+  Function* target() const { return target_.load(std::memory_order_relaxed); }
+  void pass_on_to(Function* embrees) {
+    Function* expected = first_;
+    target_.compare_exchange_strong(expected, embrees, std::memory_order_relaxed);
+  }
+  void look() { target_.store(looks_, std::memory_order_relaxed); }
+
+ private:
+  std::atomic<Function*> target_;
+  Function *first_, *looks_;
+};
+
 }  // namespace
 }  // namespace stbvh::preload
 
 using stbvh::preload::Any;
 using stbvh::preload::Closest;
-using stbvh::preload::had_groups;
 using stbvh::preload::kValid;
 using stbvh::preload::query;
+using stbvh::preload::RayCall;
 using stbvh::preload::real;
 
 // Later versions of Embree 4 have two functions for each query, of which the second takes what is the scene
 // on CPUs.
+#define STBVH_RAY_FUNCTIONS(ONE_RAY, PACKET)                                                   \
+  ONE_RAY(Closest, rtcIntersect1, RTCRayHit, RTCScene, RTCIntersectArguments)                  \
+  ONE_RAY(Closest, rtcTraversableIntersect1, RTCRayHit, RTCTraversable, RTCIntersectArguments) \
+  ONE_RAY(Any, rtcOccluded1, RTCRay, RTCScene, RTCOccludedArguments)                           \
+  ONE_RAY(Any, rtcTraversableOccluded1, RTCRay, RTCTraversable, RTCOccludedArguments)          \
+  STBVH_PACKETS(PACKET, 4) STBVH_PACKETS(PACKET, 8) STBVH_PACKETS(PACKET, 16)
+#define STBVH_PACKETS(PACKET, N)                                                                      \
+  PACKET(Closest, rtcIntersect##N, RTCRayHit##N, N, RTCScene, RTCIntersectArguments)                  \
+  PACKET(Closest, rtcTraversableIntersect##N, RTCRayHit##N, N, RTCTraversable, RTCIntersectArguments) \
+  PACKET(Any, rtcOccluded##N, RTCRay##N, N, RTCScene, RTCOccludedArguments)                           \
+  PACKET(Any, rtcTraversableOccluded##N, RTCRay##N, N, RTCTraversable, RTCOccludedArguments)
+
+#define STBVH_CALL(name, parameters, arguments)                                      \
+  static void name##_first parameters;                                               \
+  static constinit RayCall<void parameters> name##_call{name##_first, name##_looks}; \
+  static void name##_first parameters {                                              \
+    name##_call.pass_on_to(real().name);                                             \
+    name##_call.target() arguments;                                                  \
+  }                                                                                  \
+  void name parameters {                                                             \
+    name##_call.target() arguments;                                                  \
+  }
 #define STBVH_ONE_RAY(Query, name, Ray, Handle, Options)                                                    \
-  void name(Handle scene, Ray* ray, Options* options) {                                                     \
-    if (!had_groups()) return real().name(scene, ray, options);                                             \
+  static void name##_looks(Handle scene, Ray* ray, Options* options) {                                      \
     query<Query>(&kValid, scene, ray, 1, options, [=](Options* given) { real().name(scene, ray, given); }); \
-  }
-#define STBVH_PACKET(Query, name, Rays, N, Handle, Options)                        \
-  void name(const int* valid, Handle scene, Rays* rays, Options* options) {        \
-    if (!had_groups()) return real().name(valid, scene, rays, options);            \
-    query<Query>(valid, scene, rays, N, options,                                   \
-                 [=](Options* given) { real().name(valid, scene, rays, given); }); \
-  }
-#define STBVH_PACKETS(N)                                                                                    \
-  STBVH_PACKET(Closest, rtcIntersect##N, RTCRayHit##N, N, RTCScene, RTCIntersectArguments)                  \
-  STBVH_PACKET(Closest, rtcTraversableIntersect##N, RTCRayHit##N, N, RTCTraversable, RTCIntersectArguments) \
-  STBVH_PACKET(Any, rtcOccluded##N, RTCRay##N, N, RTCScene, RTCOccludedArguments)                           \
-  STBVH_PACKET(Any, rtcTraversableOccluded##N, RTCRay##N, N, RTCTraversable, RTCOccludedArguments)
+  }                                                                                                         \
+  STBVH_CALL(name, (Handle scene, Ray * ray, Options * options), (scene, ray, options))
+#define STBVH_PACKET(Query, name, Rays, N, Handle, Options)                                \
+  static void name##_looks(const int* valid, Handle scene, Rays* rays, Options* options) { \
+    query<Query>(valid, scene, rays, N, options,                                           \
+                 [=](Options* given) { real().name(valid, scene, rays, given); });         \
+  }                                                                                        \
+  STBVH_CALL(name, (const int* valid, Handle scene, Rays* rays, Options* options),         \
+             (valid, scene, rays, options))
 
 extern "C" {
 
-STBVH_ONE_RAY(Closest, rtcIntersect1, RTCRayHit, RTCScene, RTCIntersectArguments)
-STBVH_ONE_RAY(Closest, rtcTraversableIntersect1, RTCRayHit, RTCTraversable, RTCIntersectArguments)
-STBVH_ONE_RAY(Any, rtcOccluded1, RTCRay, RTCScene, RTCOccludedArguments)
-STBVH_ONE_RAY(Any, rtcTraversableOccluded1, RTCRay, RTCTraversable, RTCOccludedArguments)
-STBVH_PACKETS(4)
-STBVH_PACKETS(8)
-STBVH_PACKETS(16)
+STBVH_RAY_FUNCTIONS(STBVH_ONE_RAY, STBVH_PACKET)
 
 }  // extern "C"
+
+void stbvh::preload::look_at_rays() {
+#define STBVH_LOOK(Query, name, ...) name##_call.look();
+  STBVH_RAY_FUNCTIONS(STBVH_LOOK, STBVH_LOOK)
+#undef STBVH_LOOK
+}
