@@ -4,7 +4,6 @@ of one process, what is finished is not rendered again, and where a tile fails n
 
 Usage: openjd_test.py STBVH_AB     Exit code 77: the runner is not there and cannot be installed.
 """
-import fcntl
 import os
 import pathlib
 import subprocess
@@ -14,29 +13,13 @@ import tempfile
 import same_pixels
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests"))
+from python_environment import environment
+
 TEMPLATE = ROOT / "harness/farm/openjd.yaml"
 PACKAGES = ["openjd-cli==0.8.0", "openjd-model==0.13.0", "openjd-sessions==0.13.0"]
 FRAMES, TILES, SIZE, SAMPLES = "1001-1003:2", 2, "48x27", 2
 SHUTTER = "--shutter -0.25,0.25"
-
-
-def runner():
-    """The Python that has it, in an environment below build/ that is made once."""
-    version = PACKAGES[0].partition("==")[2]
-    folder = ROOT / f"build/openjd-python{sys.version_info.major}.{sys.version_info.minor}-{version}"
-    folder.parent.mkdir(exist_ok=True)
-    with open(f"{folder}.lock", "w", encoding="ascii") as lock:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        if not (folder / "whole").exists():
-            for command in (["/usr/bin/python3", "-m", "venv", "--clear", folder],
-                            [folder / "bin/python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check",
-                             "--retries", "1", "--timeout", "20", *PACKAGES]):
-                done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
-                if done.returncode != 0:
-                    print(f"skipped: {PACKAGES[0]} cannot be installed (is there a network?): {done.stdout.strip()[-200:]}")
-                    sys.exit(77)
-            (folder / "whole").touch()
-    return folder / "bin/python"
 
 
 class Job:
@@ -65,7 +48,7 @@ def expect(condition, *words):
 
 def main():
     program = os.path.abspath(sys.argv[1])
-    python = runner()
+    python = environment(PACKAGES) / "bin/python"
     checked = subprocess.run([python, "-m", "openjd", "check", TEMPLATE], stdout=subprocess.PIPE, text=True, check=False)
     expect(checked.returncode == 0, checked.stdout)
     with tempfile.TemporaryDirectory() as folder:

@@ -93,6 +93,11 @@ StbvhStatistics statistics_of(const OwnGeometry& geometry) {
   return statistics;
 }
 
+StbvhStatistics commit(const OwnGeometry& geometry) {
+  EXPECT_EQ(stbvhCommitGeometry(geometry.get()), RTC_ERROR_NONE);
+  return statistics_of(geometry);
+}
+
 TEST_F(PluginUpdates, DoTheWorkOfTheChangeOnly) {
   meshes_.clear();
   for (std::uint32_t i = 0; i < 10; ++i) meshes_.push_back(triangle_soup(20 + i, 50, i % 2 == 0 ? 5 : 1));
@@ -103,16 +108,14 @@ TEST_F(PluginUpdates, DoTheWorkOfTheChangeOnly) {
   EXPECT_EQ(built.expectedCost, 1.0);
   EXPECT_GT(built.commitSeconds, 0.0);
 
-  ASSERT_EQ(stbvhCommitGeometry(geometry_.get()), RTC_ERROR_NONE);
-  const StbvhStatistics nothing = statistics_of(geometry_);
+  const StbvhStatistics nothing = commit(geometry_);
   EXPECT_EQ(nothing.isUpdate, 1u);
   EXPECT_EQ(nothing.meshesBuilt + nothing.meshesRefitted + nothing.meshesRemoved, 0u);
 
   for (auto& step : meshes_[4].steps) {
     for (Position& p : step) p.x += 0.01f;
   }
-  ASSERT_EQ(stbvhCommitGeometry(geometry_.get()), RTC_ERROR_NONE);
-  const StbvhStatistics refitted = statistics_of(geometry_);
+  const StbvhStatistics refitted = commit(geometry_);
   EXPECT_EQ(refitted.isUpdate, 1u);
   EXPECT_EQ(refitted.meshesRefitted, 1u);
   EXPECT_EQ(refitted.meshesBuilt, 0u);
@@ -122,8 +125,7 @@ TEST_F(PluginUpdates, DoTheWorkOfTheChangeOnly) {
 
   meshes_[3] = triangle_soup(99, 30, 1);
   set(3);
-  ASSERT_EQ(stbvhCommitGeometry(geometry_.get()), RTC_ERROR_NONE);
-  const StbvhStatistics replaced = statistics_of(geometry_);
+  const StbvhStatistics replaced = commit(geometry_);
   EXPECT_EQ(replaced.isUpdate, 1u);
   EXPECT_EQ(replaced.meshesRefitted, 0u);
   EXPECT_EQ(replaced.meshesBuilt, 1u);
@@ -134,16 +136,14 @@ TEST_F(PluginUpdates, DoTheWorkOfTheChangeOnly) {
   ASSERT_EQ(stbvhGetMesh(geometry_.get(), 3, &without_triangles), RTC_ERROR_NONE);
   without_triangles.triangleCount = 0;
   ASSERT_EQ(stbvhSetMesh(geometry_.get(), 3, &without_triangles), RTC_ERROR_NONE);
-  ASSERT_EQ(stbvhCommitGeometry(geometry_.get()), RTC_ERROR_NONE);
-  const StbvhStatistics removed = statistics_of(geometry_);
+  const StbvhStatistics removed = commit(geometry_);
   EXPECT_EQ(removed.isUpdate, 1u);
   EXPECT_EQ(removed.meshesRemoved, 1u);
   EXPECT_EQ(removed.meshesBuilt, 0u);
   EXPECT_EQ(removed.triangles, built.triangles - 50);
 
   ASSERT_EQ(stbvhSetGeometryTolerance(geometry_.get(), STBVH_KEEP_ALL_STEPS), RTC_ERROR_NONE);
-  ASSERT_EQ(stbvhCommitGeometry(geometry_.get()), RTC_ERROR_NONE);
-  EXPECT_EQ(statistics_of(geometry_).isUpdate, 0u);
+  EXPECT_EQ(commit(geometry_).isUpdate, 0u);
 }
 
 /// The device's memory monitor and the commit's progress function, which may stop a commit.
