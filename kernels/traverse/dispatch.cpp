@@ -7,13 +7,25 @@
 namespace stbvh {
 
 std::string_view isa_name(Isa isa) {
-  return isa == Isa::kAvx2 ? "avx2" : "scalar";
+  switch (isa) {
+    case Isa::kScalar:
+      return "scalar";
+    case Isa::kAvx2:
+      return "avx2";
+    case Isa::kAvx512:
+      return "avx512";
+  }
+  return "";
 }
 
 std::vector<Isa> available_isas() {
   std::vector<Isa> isas{Isa::kScalar};
   __builtin_cpu_init();
-  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) isas.push_back(Isa::kAvx2);
+  const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  if (has_avx2) isas.push_back(Isa::kAvx2);
+  const bool has_avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
+                          __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw");
+  if (has_avx2 && has_avx512) isas.push_back(Isa::kAvx512);
   return isas;
 }
 
@@ -42,7 +54,9 @@ Isa default_isa() {
 }
 
 const KernelTable& kernel_table(Isa isa, Precision precision) {
-  const KernelTables& tables = isa == Isa::kAvx2 ? kAvx2Kernels : kScalarKernels;
+  const KernelTables& tables = isa == Isa::kAvx512 ? kAvx512Kernels
+                               : isa == Isa::kAvx2 ? kAvx2Kernels
+                                                   : kScalarKernels;
   return precision == Precision::kFast ? tables.fast : tables.watertight;
 }
 

@@ -37,5 +37,6 @@ const KernelTable& kernel_table(Isa isa, Precision precision);
 
 extern const KernelTables kScalarKernels;
 extern const KernelTables kAvx2Kernels;
+extern const KernelTables kAvx512Kernels;
 
 }  // namespace stbvh

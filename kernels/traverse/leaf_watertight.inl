@@ -218,8 +218,8 @@ struct WatertightTest : PaddedSlabs {
     const double wa = c.x * b.y - c.y * b.x;
     const double wb = a.x * c.y - a.y * c.x;
     const double wc = b.x * a.y - b.y * a.x;
-    // One branch: which sign it is cannot be predicted.
-    if (least(least(wa, wb), wc) < 0.0 && greatest(greatest(wa, wb), wc) > 0.0) return false;
+    // A product, which neither overflows nor vanishes, for one branch: which sign it is cannot be predicted.
+    if (least(least(wa, wb), wc) * greatest(greatest(wa, wb), wc) < 0.0) return false;
     const double det = wa + wb + wc;
     if (det == 0.0) return false;
     const double inverse = 1.0 / det;

@@ -20,7 +20,7 @@ GalleryKernels own_kernels() {
 }
 
 const MethodKernels& method_kernels() {
-  return default_isa() == Isa::kAvx2 ? kAvx2Methods : kScalarMethods;
+  return default_isa() != Isa::kScalar ? kAvx2Methods : kScalarMethods;
 }
 
 namespace {

@@ -6,9 +6,9 @@
 
 namespace stbvh {
 
-enum class Isa { kScalar, kAvx2 };
+enum class Isa { kScalar, kAvx2, kAvx512 };
 
-/// "scalar", "avx2".
+/// "scalar", "avx2", "avx512" (F, VL, DQ and BW).
 std::string_view isa_name(Isa isa);
 
 /// Instruction sets that this machine can run and this library was built with, slowest first.
