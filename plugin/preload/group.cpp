@@ -92,9 +92,7 @@ Group::Group(std::shared_ptr<TrackedDevice> device)
     : device_(std::move(device)),
       user_geometry_(device_->handle(), group_callbacks().intersect, group_callbacks().occluded) {
   user_geometry_.publish(nullptr);
-#if RTC_VERSION_MAJOR >= 4
   look_at_rays();
-#endif
 }
 
 void Group::clear() {

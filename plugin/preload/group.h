@@ -41,10 +41,8 @@ const GroupCallbacks& group_callbacks();
 /// Whether a user geometry with this user data is a group's.
 bool is_group(const void* user_data);
 
-#if RTC_VERSION_MAJOR >= 4
-/// From now on rays are looked at before Embree gets them (embree4/interposed_rays.cpp): there is a group.
+/// From now on rays are looked at before Embree gets them (ray_calls.h): there is a group.
 void look_at_rays();
-#endif
 
 class Group {
  public:

@@ -1,8 +1,11 @@
 /// Commits: what is taken over, and when Embree has anything to do.
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <numeric>
 #include <stdexcept>
+#include <utility>
 
 #include "plugin/preload/environment.h"
 #include "plugin/preload/real_embree.h"
@@ -66,11 +69,34 @@ TrackedScene::Plan TrackedScene::make_plan() const {
     plan.has_filters |= geometry->has_filters();
     if (geometry->type == RTC_GEOMETRY_TYPE_TRIANGLE && reason == StaysNative::kNone) {
       plan.members.push_back({geom_id, geometry, geometry->version});
+    } else if (reason == StaysNative::kOneStep && device_->why_native() == StaysNative::kNone &&
+               geometry->why_native_but_for_rest() == StaysNative::kNone) {
+      plan.at_rest.push_back({plan.meshes.size() - 1, {geom_id, geometry, geometry->version}});
     } else {
       plan.has_others = true;
     }
   }
+  plan.take_over_what_rests();
   return plan;
+}
+
+/// Where nothing else is in the scene, and most of it moves: then rays need not go through Embree, which is
+/// worth more than its tree of what is at rest (docs/performance.md).
+void TrackedScene::Plan::take_over_what_rests() {
+  const auto triangles = [](std::size_t sum, const Member& member) {
+    return sum + member.mesh->indices.count;
+  };
+  std::vector<Member> all = members;
+  for (const auto& [mesh, member] : at_rest) all.push_back(member);
+  const std::size_t moving = std::accumulate(members.begin(), members.end(), std::size_t{0}, triangles);
+  const std::size_t in_all = std::accumulate(all.begin(), all.end(), std::size_t{0}, triangles);
+  if (has_others || members.empty() || in_all - moving > moving) {
+    has_others |= !at_rest.empty();
+    return;
+  }
+  for (const auto& [mesh, member] : at_rest) meshes[mesh].second = StaysNative::kNone;
+  members = std::move(all);
+  std::ranges::sort(members, {}, &Member::geom_id);
 }
 
 void TrackedScene::set_own_share(double share) {

@@ -64,6 +64,10 @@ bool TrackedGeometry::is_taken_over() {
 
 StaysNative TrackedGeometry::why_native() const {
   if (step_count < 2 && !environment().all_triangles) return StaysNative::kOneStep;
+  return why_native_but_for_rest();
+}
+
+StaysNative TrackedGeometry::why_native_but_for_rest() const {
   if (!committed) return StaysNative::kUncommitted;
   if (!is_known) return StaysNative::kNoMemory;
   if (too_large) return StaysNative::kTooLarge;

@@ -62,8 +62,10 @@ class TrackedGeometry {
   /// Whether a group answers for it instead.
   bool is_taken_over();
 
-  /// Does not look at whether it is enabled, nor at the device.
+  /// Does not look at whether it is enabled, nor at the device, nor at what else the scene holds.
   StaysNative why_native() const;
+  /// Apart from being at rest.
+  StaysNative why_native_but_for_rest() const;
 
   /// As the kernels take it, for a mesh that does not stay native; `vertices` becomes what it points to.
   MeshView view(std::vector<VertexBufferView>& vertices) const;

@@ -63,8 +63,11 @@ class TrackedScene {
  private:
   /// What a look at everything attached says.
   struct Plan {
+    void take_over_what_rests();
+
     std::vector<std::pair<std::shared_ptr<TrackedGeometry>, StaysNative>> meshes;  ///< triangle meshes
     std::vector<Member> members;
+    std::vector<std::pair<std::size_t, Member>> at_rest;  ///< of `meshes`, those that might be members too
     std::size_t attached = 0;
     bool has_others = false;              ///< that Embree answers for
     bool has_filters = false;             ///< then Embree runs those of queries, whatever the scene's flags

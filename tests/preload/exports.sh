@@ -16,14 +16,12 @@ exported=$(nm -D --defined-only "$library" | awk '{ print $3 }')
 for name in rtcNewDevice rtcNewScene rtcNewGeometry rtcCommitScene rtcJoinCommitScene rtcPointQuery16 rtcCollide; do
   grep -qx "$name" <<< "$exported" || fail "$name is not exported"
 done
-# What is called for each ray goes straight to Embree 3; 4 lets rays bring callbacks that would be called for our geometry.
 rays=(rtcIntersect{1,4,8,16} rtcOccluded{1,4,8,16})
-if [ "$major" -ge 4 ]; then
-  for name in "${rays[@]}" "${rays[@]/rtc/rtcTraversable}"; do
-    grep -qx "$name" <<< "$exported" || fail "$name is not exported"
-  done
-  rays=()
-fi
-for name in "${rays[@]}" rtcGetGeometry rtcGetGeometryUserData rtcInterpolate; do
+if [ "$major" -ge 4 ]; then rays+=("${rays[@]/rtc/rtcTraversable}"); fi
+for name in "${rays[@]}"; do
+  grep -qx "$name" <<< "$exported" || fail "$name is not exported"
+done
+# Streams go straight to Embree 3, as does what is not changed by us.
+for name in rtcIntersect{1M,1Mp,NM,Np} rtcOccluded{1M,1Mp,NM,Np} rtcGetGeometry rtcGetGeometryUserData rtcInterpolate; do
   ! grep -qx "$name" <<< "$exported" || fail "$name is exported"
 done

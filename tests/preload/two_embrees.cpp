@@ -94,6 +94,14 @@ bool is_taken_over(RTCScene scene) {
   return preload::scenes().find(scene)->has_group();
 }
 
+bool answers_alone(RTCScene scene) {
+  return preload::scenes().find(scene)->answers_alone() != nullptr;
+}
+
+void expect_same_bits(const RTCRayHit& a, const RTCRayHit& b) {
+  EXPECT_EQ(std::memcmp(&a, &b, sizeof(float) * kMembers), 0);
+}
+
 Twice::Twice()
     : our_device(ours().rtcNewDevice(nullptr)),
       native_device(native().rtcNewDevice(nullptr)),

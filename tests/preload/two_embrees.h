@@ -30,6 +30,7 @@ const Embree& native();
 using test::intersect_one;
 using test::intersect_packet;
 using test::occluded_one;
+using test::occluded_packet;
 using test::Random;
 
 struct Position {
@@ -57,8 +58,9 @@ RTCGeometry new_mesh(const Embree& embree, RTCDevice device, Mesh&& mesh) = dele
 /// Commits, attaches and releases.
 unsigned attach(const Embree& embree, RTCScene scene, RTCGeometry geometry);
 
-/// Whether a structure of ours answers for meshes of this scene.
+/// Whether a structure of ours answers for meshes of this scene, and for all of it.
 bool is_taken_over(RTCScene scene);
+bool answers_alone(RTCScene scene);
 
 /// A device of each and a scene of each, with the same contents.
 class Twice {
@@ -84,7 +86,8 @@ std::vector<RTCRayHit> random_rays(std::uint32_t seed, unsigned count);
 /// Traces the rays in both and compares IDs exactly, numbers within rounding; at least a tenth must hit.
 void expect_same_hits(RTCScene our_scene, RTCScene native_scene, const std::vector<RTCRayHit>& rays);
 
-/// Hits that must be the same.
+/// Hits that must be the same, and those that must be the same to the bit.
+void expect_same_bits(const RTCRayHit& a, const RTCRayHit& b);
 void expect_same_hit(const RTCRayHit& ours, const RTCRayHit& native);
 
 /// Of a ray and its hit; in a packet each lies `size` times side by side.

@@ -1,26 +1,12 @@
 /// Rays. An application may bring the callback of all user geometries with a ray, and would be asked for ours
 /// then. And where a scene holds nothing that is not ours, Embree need not be asked.
-#include <atomic>
-#include <new>
-
 #include "plugin/preload/group.h"
-#include "plugin/preload/real_embree.h"
-#include "plugin/preload/scene_changes.h"
-#include "plugin/preload/tracked_scene.h"
+#include "plugin/preload/ray_calls.h"
 
 namespace stbvh::preload {
 namespace {
 
 using plugin::Published;
-
-/// What answers for all of the scene, or null.
-const Published* answers_alone(RTCScene scene) {
-  constinit thread_local SceneAnswers<const Published*> answers;
-  return answers.of(scene, [=]() -> const Published* {
-    const auto tracked = scenes().find(scene);
-    return tracked == nullptr ? nullptr : tracked->answers_alone();
-  });
-}
 
 struct Closest {
   using Options = RTCIntersectArguments;
@@ -84,25 +70,15 @@ void ask(const Published& published, const int* valid, void* rays, unsigned size
   Query::call_ours(&a);
 }
 
-/// What a filter of the application threw becomes an error, as in Embree.
-void raise(RTCScene scene, RTCError code, const char* message) {
-  if (const auto tracked = scenes().find(scene)) tracked->device()->raise(code, message);
-}
-
 /// A query of `size` rays where there are groups; `native` is Embree's own, with the options that it is
 /// given.
 template <typename Query, typename Native>
 void query(const int* valid, void* scene, void* rays, unsigned size, typename Query::Options* options,
            Native&& native) {
-  if (const Published* const published = answers_alone(static_cast<RTCScene>(scene))) {
-    try {
-      return ask<Query>(*published, valid, rays, size, options);
-    } catch (const std::bad_alloc&) {
-      return raise(static_cast<RTCScene>(scene), RTC_ERROR_OUT_OF_MEMORY, "out of memory");
-    } catch (...) {
-      return raise(static_cast<RTCScene>(scene), RTC_ERROR_UNKNOWN, "unknown exception caught");
-    }
-  }
+  const bool is_answered = answered_alone(static_cast<RTCScene>(scene), [&](const Published& published) {
+    ask<Query>(published, valid, rays, size, options);
+  });
+  if (is_answered) return;
   const auto function = options == nullptr ? nullptr : options->*Query::kFunction;
   if (function == nullptr || function == Rerouted<Query>::call) return native(options);
   Rerouted<Query> rerouted(*options);
@@ -111,25 +87,6 @@ void query(const int* valid, void* scene, void* rays, unsigned size, typename Qu
 
 constexpr int kValid = -1;
 
-/// Where a ray function of the application's goes: to Embree's own without a look, as long as there is no
-/// group. Until Embree is found it goes to `first`.
-template <typename Function>
-class RayCall {
- public:
-  constexpr RayCall(Function* first, Function* looks) : target_(first), first_(first), looks_(looks) {}
-
-  Function* target() const { return target_.load(std::memory_order_relaxed); }
-  void pass_on_to(Function* embrees) {
-    Function* expected = first_;
-    target_.compare_exchange_strong(expected, embrees, std::memory_order_relaxed);
-  }
-  void look() { target_.store(looks_, std::memory_order_relaxed); }
-
- private:
-  std::atomic<Function*> target_;
-  Function *first_, *looks_;
-};
-
 }  // namespace
 }  // namespace stbvh::preload
 
@@ -137,7 +94,6 @@ using stbvh::preload::Any;
 using stbvh::preload::Closest;
 using stbvh::preload::kValid;
 using stbvh::preload::query;
-using stbvh::preload::RayCall;
 using stbvh::preload::real;
 
 // Later versions of Embree 4 have two functions for each query, of which the second takes what is the scene
@@ -154,28 +110,18 @@ using stbvh::preload::real;
   PACKET(Any, rtcOccluded##N, RTCRay##N, N, RTCScene, RTCOccludedArguments)                           \
   PACKET(Any, rtcTraversableOccluded##N, RTCRay##N, N, RTCTraversable, RTCOccludedArguments)
 
-#define STBVH_CALL(name, parameters, arguments)                                      \
-  static void name##_first parameters;                                               \
-  static constinit RayCall<void parameters> name##_call{name##_first, name##_looks}; \
-  static void name##_first parameters {                                              \
-    name##_call.pass_on_to(real().name);                                             \
-    name##_call.target() arguments;                                                  \
-  }                                                                                  \
-  void name parameters {                                                             \
-    name##_call.target() arguments;                                                  \
-  }
 #define STBVH_ONE_RAY(Query, name, Ray, Handle, Options)                                                    \
   static void name##_looks(Handle scene, Ray* ray, Options* options) {                                      \
     query<Query>(&kValid, scene, ray, 1, options, [=](Options* given) { real().name(scene, ray, given); }); \
   }                                                                                                         \
-  STBVH_CALL(name, (Handle scene, Ray * ray, Options * options), (scene, ray, options))
+  STBVH_RAY_CALL(name, (Handle scene, Ray * ray, Options * options), (scene, ray, options))
 #define STBVH_PACKET(Query, name, Rays, N, Handle, Options)                                \
   static void name##_looks(const int* valid, Handle scene, Rays* rays, Options* options) { \
     query<Query>(valid, scene, rays, N, options,                                           \
                  [=](Options* given) { real().name(valid, scene, rays, given); });         \
   }                                                                                        \
-  STBVH_CALL(name, (const int* valid, Handle scene, Rays* rays, Options* options),         \
-             (valid, scene, rays, options))
+  STBVH_RAY_CALL(name, (const int* valid, Handle scene, Rays* rays, Options* options),     \
+                 (valid, scene, rays, options))
 
 extern "C" {
 

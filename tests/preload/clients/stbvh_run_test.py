@@ -218,9 +218,9 @@ class Embree(WithFolder):
         file = self.folder / "s.json"
         done = run("--json", file, *self.pathtracer(self.folder / "o.ppm"))
         self.assertEqual((done.returncode, done.stderr), (0, ""))
-        self.assertEqual(json.loads(file.read_text())["meshes_taken_over"], 1)
+        self.assertEqual(json.loads(file.read_text())["meshes_taken_over"], 2)
         done = run("--statistics", *self.pathtracer(self.folder / "o.ppm"))
-        self.assertIn("meshes taken over: 1\n", done.stderr)
+        self.assertIn("meshes taken over: 2\n", done.stderr)
 
     def test_statistics_leave_what_is_special_as_it_is(self):
         """Through the library alone, through stbvh-run, and as the record of both sides."""
@@ -266,7 +266,7 @@ class Embree(WithFolder):
         command = " ".join(map(str, self.pathtracer(self.folder / "o.ppm")))
         done = run("--statistics", self.script(f"#!/bin/sh\n{command}\nexit 5\n"))
         self.assertEqual(done.returncode, 5)
-        self.assertIn("meshes taken over: 1\n", done.stderr)
+        self.assertIn("meshes taken over: 2\n", done.stderr)
         self.assertNotIn("has not used", done.stderr)
 
     def test_off_takes_nothing_over(self):
@@ -283,11 +283,11 @@ class Embree(WithFolder):
         self.assertEqual(done.returncode, 0, done.stderr)
         record = json.loads(file.read_text())
         self.assertEqual([r["side"] for r in record["runs"]], ["native", "stbvh", "native", "stbvh"])
-        self.assertEqual(record["statistics"]["meshes_taken_over"], 1)
+        self.assertEqual(record["statistics"]["meshes_taken_over"], 2)
         for side in record["runs"]:
             self.assertGreater(side["wall_seconds"], 0)
             self.assertGreater(side["peak_bytes"], 1e6)
-        for word in ("wall seconds", "user seconds", "peak memory", "stbvh / native", "meshes taken over: 1"):
+        for word in ("wall seconds", "user seconds", "peak memory", "stbvh / native", "meshes taken over: 2"):
             self.assertIn(word, done.stderr)
         for name in ("native.ppm", "stbvh.ppm"):
             self.assertTrue((self.folder / name).exists())

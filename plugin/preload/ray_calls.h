@@ -1,0 +1,72 @@
+/// Calls that trace rays: straight on to Embree until there is a group, looked at from then on.
+#pragma once
+
+#include <atomic>
+#include <new>
+
+#include "plugin/preload/real_embree.h"
+#include "plugin/preload/scene_changes.h"
+#include "plugin/preload/tracked_scene.h"
+
+namespace stbvh::preload {
+
+/// Where a ray function of the application's goes: to Embree's own without a look, as long as there is no
+/// group. Until Embree is found it goes to `first`.
+template <typename Function>
+class RayCall {
+ public:
+  constexpr RayCall(Function* first, Function* looks) : target_(first), first_(first), looks_(looks) {}
+
+  Function* target() const { return target_.load(std::memory_order_relaxed); }
+  void pass_on_to(Function* embrees) {
+    Function* expected = first_;
+    target_.compare_exchange_strong(expected, embrees, std::memory_order_relaxed);
+  }
+  void look() { target_.store(looks_, std::memory_order_relaxed); }
+
+ private:
+  std::atomic<Function*> target_;
+  Function *first_, *looks_;
+};
+
+/// What answers for all of the scene, or null.
+inline const plugin::Published* answers_alone(RTCScene scene) {
+  constinit thread_local SceneAnswers<const plugin::Published*> answers;
+  return answers.of(scene, [=]() -> const plugin::Published* {
+    const auto tracked = scenes().find(scene);
+    return tracked == nullptr ? nullptr : tracked->answers_alone();
+  });
+}
+
+/// Answers by ask(published) where a scene holds nothing that is not ours; else false. What a filter of the
+/// application throws becomes an error, as in Embree.
+template <typename Ask>
+bool answered_alone(RTCScene scene, Ask&& ask) {
+  const plugin::Published* const published = answers_alone(scene);
+  if (published == nullptr) return false;
+  const auto raise = [=](RTCError code, const char* message) {
+    if (const auto tracked = scenes().find(scene)) tracked->device()->raise(code, message);
+  };
+  try {
+    ask(*published);
+  } catch (const std::bad_alloc&) {
+    raise(RTC_ERROR_OUT_OF_MEMORY, "out of memory");
+  } catch (...) {
+    raise(RTC_ERROR_UNKNOWN, "unknown exception caught");
+  }
+  return true;
+}
+
+}  // namespace stbvh::preload
+
+/// Defines the function `name` of Embree, which leads to name##_looks(...) once there is a group.
+#define STBVH_RAY_CALL(name, parameters, arguments)                                                  \
+  static void name##_first parameters;                                                               \
+  static constinit stbvh::preload::RayCall<void parameters> name##_call{name##_first, name##_looks}; \
+  static void name##_first parameters {                                                              \
+    name##_call.pass_on_to(stbvh::preload::real().name);                                             \
+    name##_call.target() arguments;                                                                  \
+  }                                                                                                  \
+  void name parameters {                                                                             \
+    name##_call.target() arguments;                                                                  \
+  }
