@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <span>
 #include <string_view>
 
 #include "harness/program/options.h"
@@ -117,13 +118,9 @@ std::vector<std::string> named_scenes(const std::vector<std::string>& asked) {
     if (std::find(names.begin(), names.end(), name) == names.end()) names.emplace_back(name);
   };
   for (const std::string& name : asked) {
-    if (name == "paper") {
-      for (const ProceduralScene& scene : paper_scenes()) add(scene.name);
-    } else if (name == "all") {
-      for (const ProceduralScene& scene : procedural_scenes()) add(scene.name);
-    } else {
-      add(name);
-    }
+    const std::span<const ProceduralScene> group = scene_group(name);
+    for (const ProceduralScene& scene : group) add(scene.name);
+    if (group.empty()) add(name);
   }
   return names;
 }
@@ -191,7 +188,8 @@ void add_scene_options(CLI::App& app, SceneOptions& s) {
   const std::size_t first = app.get_options().size();
   app.add_option_function<std::vector<std::string>>(
          "--scenes", [&s](const auto& asked) { s.scenes = named_scenes(asked); },
-         "Names of built-in scenes (see list), paper (its six), all, .glb, .gltf, .usd, .usda, .usdc, .usdz, "
+         "Names of built-in scenes (see list), paper (its six), large (ten), small (three), all, .glb, "
+         ".gltf, .usd, .usda, .usdc, .usdz, "
          ".abc, .xml (Embree's), .ecs and .stbvh files, or .obj files (one for each step: walk_%04d.obj, or "
          "a folder); separated by commas")
       ->delimiter(',')

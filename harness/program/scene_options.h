@@ -47,8 +47,8 @@ struct MakingOptions {
   std::vector<std::string> scene_words;
 };
 
-/// Names of built-in scenes, and files: each of `asked` once, with "paper" and "all" replaced by the scenes
-/// they stand for.
+/// Names of built-in scenes, and files: each of `asked` once, with groups (scene_group) replaced by the
+/// scenes they stand for.
 std::vector<std::string> named_scenes(const std::vector<std::string>& asked);
 
 struct SceneOptions : MakingOptions {

@@ -32,9 +32,12 @@ std::vector<std::string> names_of(std::span<const ProceduralScene> scenes) {
 }
 
 TEST(SceneOptions, AreThoseOfThePaperUnlessNamed) {
-  EXPECT_EQ(parse({"bench"}).scenes, names_of(paper_scenes()));
-  EXPECT_EQ(parse({"error", "--scenes", "paper"}).scenes, names_of(paper_scenes()));
+  EXPECT_EQ(parse({"bench"}).scenes, names_of(scene_group("paper")));
+  EXPECT_EQ(parse({"error", "--scenes", "paper"}).scenes, names_of(scene_group("paper")));
   EXPECT_EQ(parse({"bench", "--scenes", "all"}).scenes, names_of(procedural_scenes()));
+  EXPECT_EQ(parse({"bench", "--scenes", "large,small"}).scenes, names_of(procedural_scenes()));
+  EXPECT_EQ(parse({"bench", "--scenes", "small"}).scenes,
+            (std::vector<std::string>{"torus", "walker", "cart"}));
   EXPECT_EQ(parse({"bench", "--scenes", "cloth,my.glb"}).scenes,
             (std::vector<std::string>{"cloth", "my.glb"}));
 }

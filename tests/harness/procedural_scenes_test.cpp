@@ -73,9 +73,9 @@ std::uint64_t hash_of(const Scene& scene) {
 }
 
 TEST(ProceduralScenes, TheRegistryHoldsAllInOrder) {
-  const std::vector<std::string> expected{"llama",     "barbershop",       "train", "crowd",
-                                          "barbarian", "barbarian-rotate", "cloth", "wheels",
-                                          "dancer",    "static-city"};
+  const std::vector<std::string> expected{
+      "llama",  "barbershop",  "train", "crowd",  "barbarian", "barbarian-rotate", "cloth", "wheels",
+      "dancer", "static-city", "torus", "walker", "cart"};
   std::vector<std::string> names;
   for (const ProceduralScene& scene : procedural_scenes()) {
     names.emplace_back(scene.name);

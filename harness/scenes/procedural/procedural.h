@@ -23,8 +23,9 @@ struct ProceduralScene {
 /// All built-in scenes, the six of the paper first.
 std::span<const ProceduralScene> procedural_scenes();
 
-/// The six of the paper.
-std::span<const ProceduralScene> paper_scenes();
+/// By the name of a group: "paper" (its six), "large" (those and four more), "small" (trees that the caches
+/// hold), "all"; else none.
+std::span<const ProceduralScene> scene_group(std::string_view name);
 
 /// The scene of that name, or null.
 const ProceduralScene* find_procedural_scene(std::string_view name);

@@ -22,5 +22,8 @@ Scene make_cloth_with_steps(double scale, std::uint64_t seed, std::size_t steps)
 Scene make_wheels(double scale, std::uint64_t seed);
 Scene make_dancer(double scale, std::uint64_t seed);
 Scene make_static_city(double scale, std::uint64_t seed);
+Scene make_torus(double scale, std::uint64_t seed);
+Scene make_walker(double scale, std::uint64_t seed);
+Scene make_cart(double scale, std::uint64_t seed);
 
 }  // namespace stbvh::harness
