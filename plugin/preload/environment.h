@@ -11,7 +11,7 @@ namespace stbvh::preload {
 
 struct Environment {
   bool enabled = true;         ///< STBVH_PRELOAD
-  bool all_triangles = false;  ///< STBVH_PRELOAD_ALL: meshes of one step too
+  bool all_triangles = false;  ///< STBVH_PRELOAD_ALL: all meshes of one step too
   bool verbose = false;        ///< STBVH_PRELOAD_VERBOSE: a line on stderr for each commit
   bool fast = false;           ///< STBVH_PRELOAD_PRESET=fast: Precision::kFast where scenes are not robust
   std::size_t max_bytes = kNoLimit;  ///< STBVH_PRELOAD_MAX_BYTES: of the structure of each scene

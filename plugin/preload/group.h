@@ -1,4 +1,4 @@
-/// Moving meshes of a scene in one structure, behind one user geometry.
+/// Meshes of a scene in one structure, behind one user geometry.
 #pragma once
 
 #include <functional>

@@ -1,4 +1,4 @@
-/// The box of moving meshes that rtcGetSceneLinearBounds and instances show.
+/// The box of meshes that rtcGetSceneLinearBounds and instances show.
 #pragma once
 
 #include <span>

@@ -3,9 +3,7 @@
 #include <cstdio>
 #include <exception>
 #include <new>
-#include <numeric>
 #include <stdexcept>
-#include <utility>
 
 #include "plugin/preload/environment.h"
 #include "plugin/preload/real_embree.h"
@@ -69,34 +67,37 @@ TrackedScene::Plan TrackedScene::make_plan() const {
     plan.has_filters |= geometry->has_filters();
     if (geometry->type == RTC_GEOMETRY_TYPE_TRIANGLE && reason == StaysNative::kNone) {
       plan.members.push_back({geom_id, geometry, geometry->version});
-    } else if (reason == StaysNative::kOneStep && device_->why_native() == StaysNative::kNone &&
-               geometry->why_native_but_for_rest() == StaysNative::kNone) {
+    } else if (reason == StaysNative::kOneStep) {
       plan.at_rest.push_back({plan.meshes.size() - 1, {geom_id, geometry, geometry->version}});
     } else {
       plan.has_others = true;
     }
   }
-  plan.take_over_what_rests();
+  plan.takes_what_rests = !plan.at_rest.empty() && plan.may_take_what_rests();
+  if (plan.takes_what_rests) {
+    for (auto& [mesh, member] : plan.at_rest) {
+      plan.meshes[mesh].second = StaysNative::kNone;
+      plan.members.push_back(member);
+    }
+    std::ranges::sort(plan.members, {}, &Member::geom_id);
+  }
+  plan.has_others |= !plan.at_rest.empty() && !plan.takes_what_rests;
+  plan.contents.push_back(plan.takes_what_rests);
   return plan;
 }
 
-/// Where nothing else is in the scene, and most of it moves: then rays need not go through Embree, which is
-/// worth more than its tree of what is at rest (docs/performance.md).
-void TrackedScene::Plan::take_over_what_rests() {
-  const auto triangles = [](std::size_t sum, const Member& member) {
-    return sum + member.mesh->indices.count;
-  };
-  std::vector<Member> all = members;
-  for (const auto& [mesh, member] : at_rest) all.push_back(member);
-  const std::size_t moving = std::accumulate(members.begin(), members.end(), std::size_t{0}, triangles);
-  const std::size_t in_all = std::accumulate(all.begin(), all.end(), std::size_t{0}, triangles);
-  if (has_others || members.empty() || in_all - moving > moving) {
-    has_others |= !at_rest.empty();
-    return;
-  }
-  for (const auto& [mesh, member] : at_rest) meshes[mesh].second = StaysNative::kNone;
-  members = std::move(all);
-  std::ranges::sort(members, {}, &Member::geom_id);
+/// Where nothing else is in the scene, and at least half of it moves: then rays need not go through Embree,
+/// which is worth more than its tree of what is at rest (docs/preload.md, Speed). Each of the meshes must be
+/// in this scene alone: Embree knows for a mesh, not for a scene, whether it is switched off.
+bool TrackedScene::Plan::may_take_what_rests() const {
+  if (has_others || members.empty()) return false;
+  std::size_t moving = 0, resting = 0;
+  for (const Member& member : members) moving += member.mesh->indices.count;
+  for (const auto& [mesh, member] : at_rest) resting += member.mesh->indices.count;
+  return resting <= moving && std::ranges::all_of(at_rest, [](const auto& entry) {
+           const TrackedGeometry& mesh = *entry.second.mesh;
+           return mesh.attachments == 1 && mesh.why_native_but_for_rest() == StaysNative::kNone;
+         });
 }
 
 void TrackedScene::set_own_share(double share) {
@@ -186,7 +187,11 @@ TrackedScene::Next TrackedScene::prepare(CommitTurns::Turn& turn) {
 }
 
 TrackedScene::Next TrackedScene::prepare_without(const Plan& plan, CommitTurns::Turn& turn) {
-  for (const Member& member : plan.members) member.mesh->too_large = true;
+  if (plan.takes_what_rests) {
+    for (const auto& [mesh, member] : plan.at_rest) member.mesh->too_large = true;
+  } else {
+    for (const Member& member : plan.members) member.mesh->too_large = true;
+  }
   return prepare(turn);
 }
 
@@ -224,7 +229,10 @@ void TrackedScene::forward(bool join) {
 
 void TrackedScene::commit(bool join) {
   struct AtTheEnd {
-    ~AtTheEnd() { scenes_changed(); }
+    bool has_changed = true;
+    ~AtTheEnd() {
+      if (has_changed) scenes_changed();
+    }
   } at_the_end;
   try {
     Next next;
@@ -240,6 +248,7 @@ void TrackedScene::commit(bool join) {
         throw;
       }
     }
+    at_the_end.has_changed = next == Next::kForward;
     if (next == Next::kForward) forward(join);
   } catch (const CommitError& error) {
     device_->raise(error.code, error.message);

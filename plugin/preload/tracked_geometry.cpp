@@ -71,7 +71,7 @@ StaysNative TrackedGeometry::why_native_but_for_rest() const {
   if (!committed) return StaysNative::kUncommitted;
   if (!is_known) return StaysNative::kNoMemory;
   if (too_large) return StaysNative::kTooLarge;
-  if (!is_usable(time_range)) return StaysNative::kTimeRange;
+  if (step_count > 1 && !is_usable(time_range)) return StaysNative::kTimeRange;
   return has_buffers() && can_be_built() ? StaysNative::kNone : StaysNative::kBuffers;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -87,6 +88,7 @@ class TrackedGeometry {
   std::vector<std::shared_ptr<TrackedScene>> instanced;  ///< null: not created through this library
   std::vector<InstanceTransform> transforms;             ///< of an instance, by step
 
+  std::atomic<unsigned> attachments = 0;  ///< in all scenes
   bool enabled = true;
   bool committed = false;
   bool too_large = false;     ///< found out by a build: never again

@@ -13,6 +13,7 @@ Registry<RTCScene, TrackedScene>& scenes() {
 }
 
 TrackedScene::~TrackedScene() {
+  while (!attachments_.empty()) remove(attachments_.begin()->first);
   scenes().forget(handle_, this);
   scenes_changed();
 }
@@ -91,8 +92,16 @@ Attachments::node_type TrackedScene::new_attachment(RTCGeometry geometry) {
   }
 }
 
+void TrackedScene::remove(unsigned geom_id) {
+  const auto attachment = attachments_.find(geom_id);
+  if (attachment == attachments_.end()) return;
+  if (attachment->second.geometry != nullptr) --attachment->second.geometry->attachments;
+  attachments_.erase(attachment);
+}
+
 void TrackedScene::enter(Attachments::node_type attachment, unsigned geom_id) {
-  attachments_.erase(geom_id);
+  remove(geom_id);
+  if (attachment.mapped().geometry != nullptr) ++attachment.mapped().geometry->attachments;
   attachment.key() = geom_id;
   attachments_.insert(std::move(attachment));
 }
@@ -131,7 +140,7 @@ void TrackedScene::detach(unsigned geom_id) {
     const ErrorWatch watch;
     real().rtcDetachGeometry(handle_, geom_id);
     if (watch.failed()) return false;
-    attachments_.erase(geom_id);
+    remove(geom_id);
     return true;
   });
 }

@@ -63,11 +63,12 @@ class TrackedScene {
  private:
   /// What a look at everything attached says.
   struct Plan {
-    void take_over_what_rests();
+    bool may_take_what_rests() const;
 
     std::vector<std::pair<std::shared_ptr<TrackedGeometry>, StaysNative>> meshes;  ///< triangle meshes
     std::vector<Member> members;
-    std::vector<std::pair<std::size_t, Member>> at_rest;  ///< of `meshes`, those that might be members too
+    std::vector<std::pair<std::size_t, Member>> at_rest;  ///< places in `meshes` of those of one step
+    bool takes_what_rests = false;                        ///< then they are members too
     std::size_t attached = 0;
     bool has_others = false;              ///< that Embree answers for
     bool has_filters = false;             ///< then Embree runs those of queries, whatever the scene's flags
@@ -88,6 +89,7 @@ class TrackedScene {
   void set_own_share(double share);
   Attachments::node_type new_attachment(RTCGeometry geometry);
   void enter(Attachments::node_type attachment, unsigned geom_id);
+  void remove(unsigned geom_id);
   template <typename Change>
   void edit(bool needs_proxys_id, Change&& change);
   bool attach_proxy_as(unsigned geom_id);

@@ -144,6 +144,57 @@ TEST(PreloadAlone, WithWhatRestsBesideAsMuchThatMoves) {
   expect_same_hits(twice.our_scene, twice.native_scene, random_rays(37, 1000));
 }
 
+/// Embree has one switch for it: what is at rest and in another scene too is left to Embree in both.
+TEST(PreloadAlone, NotWithWhatRestsInTwoScenes) {
+  const Mesh moving = triangle_soup(41, 100, 4), still = flat_triangle(0, 1), higher = flat_triangle(9, 1);
+  const RTCDevice device = ours().rtcNewDevice(nullptr);
+  const RTCScene first = ours().rtcNewScene(device), second = ours().rtcNewScene(device);
+  attach(ours(), first, new_mesh(ours(), device, moving));
+  const RTCGeometry shared = new_mesh(ours(), device, still);
+  ours().rtcCommitGeometry(shared);
+  ours().rtcAttachGeometryByID(first, shared, 7);
+  ours().rtcCommitScene(first);
+  EXPECT_TRUE(answers_alone(first));
+  attach(ours(), second, new_mesh(ours(), device, higher));
+  ours().rtcAttachGeometryByID(second, shared, 8);
+  const bool all = preload::environment().all_triangles;
+  for (int i = 0; i < 2; ++i) {  // in turns
+    ours().rtcCommitScene(second);
+    ours().rtcCommitScene(first);
+    EXPECT_EQ(answers_alone(first), all);
+    EXPECT_EQ(geom_id_hit(first, 0.9f, -0.9f, 0.5f), 7u);
+    EXPECT_EQ(geom_id_hit(second, 0.9f, -0.9f, 0.5f), 8u);
+  }
+  ours().rtcReleaseScene(second);
+  ours().rtcDisableGeometry(shared);
+  ours().rtcEnableGeometry(shared);
+  ours().rtcCommitScene(first);
+  EXPECT_TRUE(answers_alone(first)) << "it is in one scene again";
+  EXPECT_EQ(geom_id_hit(first, 0.9f, -0.9f, 0.5f), 7u);
+  ours().rtcReleaseGeometry(shared);
+  ours().rtcReleaseScene(first);
+  ours().rtcReleaseDevice(device);
+}
+
+/// With STBVH_PRELOAD_MAX_BYTES, as a run of its own sets it: what moves fits, and what rests beside it not
+/// too.
+TEST(PreloadAlone, WhereMemoryIsLimitedWhatMovesGoesFirst) {
+  const std::size_t limit = preload::environment().max_bytes;
+  if (limit == kNoLimit) GTEST_SKIP() << "no limit";
+  const auto triangles = static_cast<unsigned>(limit / 140);
+  const Mesh moving = triangle_soup(51, triangles, 3), still = triangle_soup(52, triangles, 1);
+  Twice twice;
+  twice.add(moving);
+  twice.commit();
+  ASSERT_TRUE(answers_alone(twice.our_scene)) << "too many for this test";
+  twice.add(still);
+  twice.commit();
+  EXPECT_TRUE(is_taken_over(twice.our_scene));
+  EXPECT_FALSE(answers_alone(twice.our_scene));
+  EXPECT_EQ(ours().rtcGetDeviceError(twice.our_device), RTC_ERROR_NONE);
+  expect_same_hits(twice.our_scene, twice.native_scene, random_rays(53, 1000));
+}
+
 TEST(PreloadAlone, FiltersThatThrowAreAnErrorOfTheDevice) {
   const Mesh mesh = flat_triangle(0);
   Twice twice;
