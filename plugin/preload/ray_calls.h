@@ -29,32 +29,31 @@ class RayCall {
   Function *first_, *looks_;
 };
 
+/// Apart from what is done for each ray, as is all that needs registers.
+[[gnu::noinline, gnu::cold]] inline const plugin::Published* find_what_answers_alone(RTCScene scene) {
+  const auto tracked = scenes().find(scene);
+  return tracked == nullptr ? nullptr : tracked->answers_alone();
+}
+
 /// What answers for all of the scene, or null.
 inline const plugin::Published* answers_alone(RTCScene scene) {
   constinit thread_local SceneAnswers<const plugin::Published*> answers;
-  return answers.of(scene, [=]() -> const plugin::Published* {
-    const auto tracked = scenes().find(scene);
-    return tracked == nullptr ? nullptr : tracked->answers_alone();
-  });
+  return answers.of(scene, [=] { return find_what_answers_alone(scene); });
 }
 
-/// Answers by ask(published) where a scene holds nothing that is not ours; else false. What a filter of the
-/// application throws becomes an error, as in Embree.
+/// Runs ask(). What a filter of the application throws becomes an error, as in Embree.
 template <typename Ask>
-bool answered_alone(RTCScene scene, Ask&& ask) {
-  const plugin::Published* const published = answers_alone(scene);
-  if (published == nullptr) return false;
+void answer_alone(RTCScene scene, const Ask& ask) {
   const auto raise = [=](RTCError code, const char* message) {
     if (const auto tracked = scenes().find(scene)) tracked->device()->raise(code, message);
   };
   try {
-    ask(*published);
+    ask();
   } catch (const std::bad_alloc&) {
     raise(RTC_ERROR_OUT_OF_MEMORY, "out of memory");
   } catch (...) {
     raise(RTC_ERROR_UNKNOWN, "unknown exception caught");
   }
-  return true;
 }
 
 }  // namespace stbvh::preload

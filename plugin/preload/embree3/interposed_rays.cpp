@@ -19,18 +19,17 @@ struct Any {
   static void call_ours(const Arguments* arguments) { group_callbacks().occluded(arguments); }
 };
 
-/// A query of `size` rays where there are groups; false if Embree is to answer it.
+/// Answers a query of `size` rays, as Embree would when it asked `published` alone.
 template <typename Query>
-bool query(const int* valid, RTCScene scene, RTCIntersectContext* context, void* rays, unsigned size) {
-  return answered_alone(scene, [&](const plugin::Published& published) {
-    typename Query::Arguments arguments{};
-    arguments.valid = const_cast<int*>(valid);
-    arguments.geometryUserPtr = const_cast<plugin::Published*>(&published);
-    arguments.context = context;
-    arguments.*Query::kRays = static_cast<typename Query::Rays*>(rays);
-    arguments.N = size;
-    Query::call_ours(&arguments);
-  });
+[[gnu::noinline]] void ask(const plugin::Published& published, const int* valid, RTCScene scene,
+                           RTCIntersectContext* context, void* rays, unsigned size) {
+  typename Query::Arguments arguments{};
+  arguments.valid = const_cast<int*>(valid);
+  arguments.geometryUserPtr = const_cast<plugin::Published*>(&published);
+  arguments.context = context;
+  arguments.*Query::kRays = static_cast<typename Query::Rays*>(rays);
+  arguments.N = size;
+  answer_alone(scene, [&] { Query::call_ours(&arguments); });
 }
 
 constexpr int kValid = -1;
@@ -38,10 +37,11 @@ constexpr int kValid = -1;
 }  // namespace
 }  // namespace stbvh::preload
 
+using stbvh::preload::answers_alone;
 using stbvh::preload::Any;
+using stbvh::preload::ask;
 using stbvh::preload::Closest;
 using stbvh::preload::kValid;
-using stbvh::preload::query;
 using stbvh::preload::real;
 
 #define STBVH_RAY_FUNCTIONS(ONE_RAY, PACKET) \
@@ -51,14 +51,18 @@ using stbvh::preload::real;
 #define STBVH_PACKETS(PACKET, N) \
   PACKET(Closest, rtcIntersect##N, RTCRayHit##N, N) PACKET(Any, rtcOccluded##N, RTCRay##N, N)
 
-#define STBVH_ONE_RAY(Query, name, Ray)                                                   \
-  static void name##_looks(RTCScene scene, RTCIntersectContext* context, Ray* ray) {      \
-    if (!query<Query>(&kValid, scene, context, ray, 1)) real().name(scene, context, ray); \
-  }                                                                                       \
+#define STBVH_ONE_RAY(Query, name, Ray)                                              \
+  static void name##_looks(RTCScene scene, RTCIntersectContext* context, Ray* ray) { \
+    if (const auto* const ours = answers_alone(scene))                               \
+      return ask<Query>(*ours, &kValid, scene, context, ray, 1);                     \
+    real().name(scene, context, ray);                                                \
+  }                                                                                  \
   STBVH_RAY_CALL(name, (RTCScene scene, RTCIntersectContext * context, Ray * ray), (scene, context, ray))
 #define STBVH_PACKET(Query, name, Rays, N)                                                               \
   static void name##_looks(const int* valid, RTCScene scene, RTCIntersectContext* context, Rays* rays) { \
-    if (!query<Query>(valid, scene, context, rays, N)) real().name(valid, scene, context, rays);         \
+    if (const auto* const ours = answers_alone(scene))                                                   \
+      return ask<Query>(*ours, valid, scene, context, rays, N);                                          \
+    real().name(valid, scene, context, rays);                                                            \
   }                                                                                                      \
   STBVH_RAY_CALL(name, (const int* valid, RTCScene scene, RTCIntersectContext* context, Rays* rays),     \
                  (valid, scene, context, rays))

@@ -75,10 +75,10 @@ void ask(const Published& published, const int* valid, void* rays, unsigned size
 template <typename Query, typename Native>
 void query(const int* valid, void* scene, void* rays, unsigned size, typename Query::Options* options,
            Native&& native) {
-  const bool is_answered = answered_alone(static_cast<RTCScene>(scene), [&](const Published& published) {
-    ask<Query>(published, valid, rays, size, options);
-  });
-  if (is_answered) return;
+  if (const Published* const published = answers_alone(static_cast<RTCScene>(scene))) {
+    return answer_alone(static_cast<RTCScene>(scene),
+                        [&] { ask<Query>(*published, valid, rays, size, options); });
+  }
   const auto function = options == nullptr ? nullptr : options->*Query::kFunction;
   if (function == nullptr || function == Rerouted<Query>::call) return native(options);
   Rerouted<Query> rerouted(*options);
