@@ -32,12 +32,33 @@ template <typename Query>
   answer_alone(scene, [&] { Query::call_ours(&arguments); });
 }
 
+/// How many rays the scene's device traces side by side at most. Embree cuts wider packets up, and then does
+/// not look at which lanes are valid: those are left to it.
+[[gnu::noinline, gnu::cold]] unsigned find_widest_packet(RTCScene scene) {
+  const auto tracked = scenes().find(scene);
+  if (tracked == nullptr) return 0;
+  const auto supports = [&](RTCDeviceProperty property) {
+    return real().rtcGetDeviceProperty(tracked->device()->handle(), property) != 0;
+  };
+  if (supports(RTC_DEVICE_PROPERTY_NATIVE_RAY16_SUPPORTED)) return 16;
+  if (supports(RTC_DEVICE_PROPERTY_NATIVE_RAY8_SUPPORTED)) return 8;
+  return supports(RTC_DEVICE_PROPERTY_NATIVE_RAY4_SUPPORTED) ? 4 : 0;
+}
+
+/// What answers for all of the scene where it is asked with packets of that size, or null.
+const plugin::Published* answers_packets_alone(RTCScene scene, unsigned size) {
+  constinit thread_local SceneAnswers<unsigned> widest_packets;
+  const unsigned widest = widest_packets.of(scene, [=] { return find_widest_packet(scene); });
+  return size <= widest ? answers_alone(scene) : nullptr;
+}
+
 constexpr int kValid = -1;
 
 }  // namespace
 }  // namespace stbvh::preload
 
 using stbvh::preload::answers_alone;
+using stbvh::preload::answers_packets_alone;
 using stbvh::preload::Any;
 using stbvh::preload::ask;
 using stbvh::preload::Closest;
@@ -60,7 +81,7 @@ using stbvh::preload::real;
   STBVH_RAY_CALL(name, (RTCScene scene, RTCIntersectContext * context, Ray * ray), (scene, context, ray))
 #define STBVH_PACKET(Query, name, Rays, N)                                                               \
   static void name##_looks(const int* valid, RTCScene scene, RTCIntersectContext* context, Rays* rays) { \
-    if (const auto* const ours = answers_alone(scene))                                                   \
+    if (const auto* const ours = answers_packets_alone(scene, N))                                        \
       return ask<Query>(*ours, valid, scene, context, rays, N);                                          \
     real().name(valid, scene, context, rays);                                                            \
   }                                                                                                      \
