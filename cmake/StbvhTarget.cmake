@@ -1,3 +1,7 @@
+# What sources of one instruction set are compiled with.
+set(STBVH_AVX2 -mavx2 -mfma)
+set(STBVH_AVX512 ${STBVH_AVX2} -mavx512f -mavx512vl -mavx512dq -mavx512bw)
+
 # stbvh_target(NAME): the settings that every target of the project shares.
 #
 # -ffp-contract=off because the watertight test needs the edge functions without fma (docs/algorithm.md);

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <new>
 
+#include "plugin/preload/group.h"
 #include "plugin/preload/real_embree.h"
 #include "plugin/preload/scene_changes.h"
 #include "plugin/preload/tracked_scene.h"
@@ -28,6 +29,37 @@ class RayCall {
   std::atomic<Function*> target_;
   Function *first_, *looks_;
 };
+
+/// A query as a user geometry of Embree is asked it.
+struct ClosestQuery {
+  using Arguments = RTCIntersectFunctionNArguments;
+  using Rays = RTCRayHitN;
+  static constexpr auto kRays = &Arguments::rayhit;
+  static void call_ours(const Arguments* arguments) { group_callbacks().intersect(arguments); }
+};
+
+struct AnyQuery {
+  using Arguments = RTCOccludedFunctionNArguments;
+  using Rays = RTCRayN;
+  static constexpr auto kRays = &Arguments::ray;
+  static void call_ours(const Arguments* arguments) { group_callbacks().occluded(arguments); }
+};
+
+/// What it is asked where Embree would ask `published` alone.
+template <typename Query>
+typename Query::Arguments arguments_for(const plugin::Published& published, const int* valid,
+                                        plugin::QueryContext* context, void* rays, unsigned size) {
+  typename Query::Arguments arguments{};
+  arguments.valid = const_cast<int*>(valid);
+  arguments.geometryUserPtr = const_cast<plugin::Published*>(&published);
+  arguments.context = context;
+  arguments.*Query::kRays = static_cast<typename Query::Rays*>(rays);
+  arguments.N = size;
+  return arguments;
+}
+
+/// Of a query of one ray.
+inline constexpr int kValid = -1;
 
 /// Apart from what is done for each ray, as is all that needs registers.
 [[gnu::noinline, gnu::cold]] inline const plugin::Published* find_what_answers_alone(RTCScene scene) {

@@ -87,18 +87,6 @@ QueryOptions with_plane() {
   return options;
 }
 
-/// Of a packet: the same ray, moved a little, in each lane.
-template <typename Packet, unsigned kSize>
-Packet packet_of(const RTCRayHit& ray) {
-  Packet packet;
-  for (unsigned i = 0; i < kSize; ++i) {
-    RTCRayHit lane = ray;
-    lane.ray.org_x += 0.01f * static_cast<float>(i);
-    put<Packet, kSize>(packet, i, lane);
-  }
-  return packet;
-}
-
 template <typename Packet, unsigned kSize>
 void expect_same_packets(const Twice& twice, const std::vector<RTCRayHit>& rays,
                          const QueryOptions& options) {

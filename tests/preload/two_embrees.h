@@ -111,6 +111,18 @@ RTCRayHit get(const Packet& packet, unsigned lane) {
   return ray;
 }
 
+/// Of a packet: the same ray, moved a little, in each lane.
+template <typename Packet, unsigned kSize>
+Packet packet_of(const RTCRayHit& ray) {
+  Packet packet;
+  for (unsigned i = 0; i < kSize; ++i) {
+    RTCRayHit lane = ray;
+    lane.ray.org_x += 0.01f * static_cast<float>(i);
+    put<Packet, kSize>(packet, i, lane);
+  }
+  return packet;
+}
+
 RTCRayHit ray_along_z(float x, float y, float time);
 bool hits(RTCScene scene, float x, float y, float time, unsigned mask = 0xFFFFFFFFu);
 unsigned geom_id_hit(RTCScene scene, float x, float y, float time);

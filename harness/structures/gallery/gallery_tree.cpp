@@ -20,7 +20,15 @@ GalleryKernels own_kernels() {
 }
 
 const MethodKernels& method_kernels() {
-  return default_isa() != Isa::kScalar ? kAvx2Methods : kScalarMethods;
+  switch (default_isa()) {
+    case Isa::kScalar:
+      return kScalarMethods;
+    case Isa::kAvx2:
+      return kAvx2Methods;
+    case Isa::kAvx512:
+      break;
+  }
+  return kAvx512Methods;
 }
 
 namespace {

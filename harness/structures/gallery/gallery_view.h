@@ -27,6 +27,7 @@ struct MethodKernels {
 };
 extern const MethodKernels kScalarMethods;
 extern const MethodKernels kAvx2Methods;
+extern const MethodKernels kAvx512Methods;
 /// Those of the instruction set that the kernels choose.
 const MethodKernels& method_kernels();
 

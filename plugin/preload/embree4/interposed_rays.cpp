@@ -1,6 +1,5 @@
 /// Rays. An application may bring the callback of all user geometries with a ray, and would be asked for ours
 /// then. And where a scene holds nothing that is not ours, Embree need not be asked.
-#include "plugin/preload/group.h"
 #include "plugin/preload/ray_calls.h"
 
 namespace stbvh::preload {
@@ -8,26 +7,18 @@ namespace {
 
 using plugin::Published;
 
-struct Closest {
+struct Closest : ClosestQuery {
   using Options = RTCIntersectArguments;
-  using Arguments = RTCIntersectFunctionNArguments;
-  using Rays = RTCRayHitN;
   using Function = RTCIntersectFunctionN;
   static constexpr auto kInitialise = rtcInitIntersectArguments;
   static constexpr auto kFunction = &Options::intersect;
-  static constexpr auto kRays = &Arguments::rayhit;
-  static void call_ours(const Arguments* arguments) { group_callbacks().intersect(arguments); }
 };
 
-struct Any {
+struct Any : AnyQuery {
   using Options = RTCOccludedArguments;
-  using Arguments = RTCOccludedFunctionNArguments;
-  using Rays = RTCRayN;
   using Function = RTCOccludedFunctionN;
   static constexpr auto kInitialise = rtcInitOccludedArguments;
   static constexpr auto kFunction = &Options::occluded;
-  static constexpr auto kRays = &Arguments::ray;
-  static void call_ours(const Arguments* arguments) { group_callbacks().occluded(arguments); }
 };
 
 /// The options of a query whose callback for user geometries is the application's, with ours in its place.
@@ -61,13 +52,9 @@ void ask(const Published& published, const int* valid, void* rays, unsigned size
   plugin::QueryContext plain_context = plugin::new_context();
   plugin::ArgumentsWithOptions<typename Query::Arguments, typename Query::Options> arguments{};
   arguments.options = options == nullptr ? &kPlain : options;
-  auto& a = arguments.arguments;
-  a.valid = const_cast<int*>(valid);
-  a.geometryUserPtr = const_cast<Published*>(&published);
-  a.context = plugin::context_of(options, plain_context);
-  a.*Query::kRays = static_cast<typename Query::Rays*>(rays);
-  a.N = size;
-  Query::call_ours(&a);
+  arguments.arguments =
+      arguments_for<Query>(published, valid, plugin::context_of(options, plain_context), rays, size);
+  Query::call_ours(&arguments.arguments);
 }
 
 /// A query of `size` rays where there are groups; `native` is Embree's own, with the options that it is
@@ -84,8 +71,6 @@ void query(const int* valid, void* scene, void* rays, unsigned size, typename Qu
   Rerouted<Query> rerouted(*options);
   native(&rerouted);
 }
-
-constexpr int kValid = -1;
 
 }  // namespace
 }  // namespace stbvh::preload
