@@ -110,16 +110,14 @@ void BuildMesh::make_grid() {
 
 void BuildMesh::find_invalid_vertices() {
   const std::size_t count = view_.steps[0].count;
-  const auto is_invalid = [&](std::size_t vertex) {
-    for (std::size_t step = 0; step < view_.steps.size(); ++step) {
-      if (!is_valid_position(position(step, static_cast<std::uint32_t>(vertex)))) return true;
-    }
-    return false;
+  const auto is_invalid_at = [&](const VertexBufferView& step, std::size_t vertex) {
+    return !is_valid_position(step.position(vertex));
   };
   std::atomic<bool> any{false};
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 16384), [&](const auto& range) {
-    for (std::size_t v = range.begin(); v != range.end(); ++v) {
-      if (is_invalid(v)) {
+    for (const VertexBufferView& step : view_.steps) {
+      for (std::size_t v = range.begin(); v != range.end(); ++v) {
+        if (!is_invalid_at(step, v)) continue;
         any.store(true, std::memory_order_relaxed);
         return;
       }
@@ -127,7 +125,11 @@ void BuildMesh::find_invalid_vertices() {
   });
   if (!any.load()) return;
   invalid_vertices_.resize(count);
-  for (std::size_t v = 0; v < count; ++v) invalid_vertices_[v] = is_invalid(v);
+  for (const VertexBufferView& step : view_.steps) {
+    for (std::size_t v = 0; v < count; ++v) {
+      if (is_invalid_at(step, v)) invalid_vertices_[v] = true;
+    }
+  }
 }
 
 bool BuildMesh::is_valid(const TriangleIndices& triangle) const {

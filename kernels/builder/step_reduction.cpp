@@ -4,6 +4,7 @@
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <numeric>
@@ -15,6 +16,9 @@ namespace stbvh {
 namespace {
 
 constexpr std::size_t kChunk = 1024;
+/// Vertices that are looked at step by step: one by one, each would be read in thousands of buffers.
+constexpr std::size_t kBlock = 64;
+constexpr std::size_t kSampledVertices = 4 * kBlock;
 
 /// Tells how far a mesh is from what some of its steps say of the others.
 class Chords {
@@ -22,44 +26,62 @@ class Chords {
   Chords(const MeshView& mesh, const VertexChoice& vertices, float tolerance)
       : mesh_(mesh), vertices_(vertices), tolerance_(tolerance) {
     for (std::size_t step = 0; step < mesh.steps.size(); ++step) times_.push_back(step_time(mesh, step));
+    const std::size_t sampled = std::min(kSampledVertices, vertices.count);
+    for (std::size_t i = 0; i < sampled; ++i) {
+      const std::uint32_t vertex = vertices.vertex(i * vertices.count / sampled);
+      if (vertex != kNoVertex) sample_.push_back(vertex);
+    }
   }
 
   double time(std::size_t step) const { return times_[step]; }
 
   /// Whether the steps between `first` and `last` may be left out; `deviation` grows to that of doing so.
   bool may_replace(std::size_t first, std::size_t last, double& deviation) const {
-    return within(last - first, deviation, [&](std::size_t vertex, std::size_t i) {
-      return difference(vertex, first, last, first + i);
-    });
+    return within({first, last, first + 1, last}, deviation);
+  }
+
+  /// The same as far as a sample of the vertices tells.
+  bool seems_replaceable(std::size_t first, std::size_t last) const {
+    double squared = 0.0;
+    for (std::size_t i = 0; i < sample_.size(); i += kBlock) {
+      const std::size_t count = std::min(kBlock, sample_.size() - i);
+      if (!is_within(std::span(sample_).subspan(i, count), {first, last, first + 1, last}, squared))
+        return false;
+    }
+    return true;
   }
 
   /// Whether `vertex` is at `step` where `first` and `last` say, or `first` alone where they are the same.
-  bool is_said(std::size_t vertex, std::size_t first, std::size_t last, std::size_t step) const {
-    return is_small(difference(vertex, first, last, step));
+  bool is_said(std::uint32_t vertex, std::size_t first, std::size_t last, std::size_t step) const {
+    return is_small(difference(vertex, first, last, step, along(first, last, step)));
   }
 
   /// Whether all steps but the first may be left out.
-  bool stands_still(double& deviation) const {
-    return within(mesh_.steps.size(), deviation,
-                  [&](std::size_t vertex, std::size_t step) { return difference(vertex, 0, 0, step); });
-  }
+  bool stands_still(double& deviation) const { return within({0, 0, 1, mesh_.steps.size()}, deviation); }
 
  private:
   struct Difference {
     double squared = 0.0;
     bool is_rounding = true;
   };
+  /// What `first` and `last` say of the steps from `begin` to before `end`.
+  struct Stretch {
+    std::size_t first, last, begin, end;
+  };
 
   bool is_small(const Difference& d) const {
     return d.is_rounding || d.squared <= static_cast<double>(tolerance_) * tolerance_;
   }
 
+  double along(std::size_t first, std::size_t last, std::size_t step) const {
+    return first == last ? 0.0 : (times_[step] - times_[first]) / (times_[last] - times_[first]);
+  }
+
   /// Of `vertex` at `step` from the line between two others, or from one.
-  Difference difference(std::size_t vertex, std::size_t first, std::size_t last, std::size_t step) const {
+  Difference difference(std::uint32_t vertex, std::size_t first, std::size_t last, std::size_t step,
+                        double along) const {
     const Vec3f begin = mesh_.steps[first].position(vertex), end = mesh_.steps[last].position(vertex);
     const Vec3f given = mesh_.steps[step].position(vertex);
-    const double along =
-        first == last ? 0.0 : (times_[step] - times_[first]) / (times_[last] - times_[first]);
     Difference result;
     const auto add = [&](double a, double b, double p) {
       const double off = std::fabs(p - ((1.0 - along) * a + along * b));
@@ -73,23 +95,34 @@ class Chords {
     return result;
   }
 
-  /// Whether `difference_of(vertex, i)` is small enough for all chosen vertices and 0 < i < `count`.
-  template <typename DifferenceOf>
-  bool within(std::size_t count, double& deviation, const DifferenceOf& difference_of) const {
+  /// Whether all `vertices` are where the stretch says; `squared` grows to the largest difference.
+  bool is_within(std::span<const std::uint32_t> vertices, const Stretch& stretch, double& squared) const {
+    for (std::size_t step = stretch.begin; step < stretch.end; ++step) {
+      const double share = along(stretch.first, stretch.last, step);
+      for (const std::uint32_t vertex : vertices) {
+        const Difference d = difference(vertex, stretch.first, stretch.last, step, share);
+        if (!is_small(d)) return false;
+        squared = std::max(squared, d.squared);
+      }
+    }
+    return true;
+  }
+
+  /// The same of all that are chosen; `deviation` grows to the largest distance.
+  bool within(const Stretch& stretch, double& deviation) const {
+    if (stretch.begin >= stretch.end) return true;
     std::atomic<bool> fits{true};
     const tbb::blocked_range<std::size_t> all(0, vertices_.count, kChunk);
     const auto largest_in = [&](const tbb::blocked_range<std::size_t>& chunk, double squared) {
-      for (std::size_t v = chunk.begin(); v != chunk.end() && fits.load(std::memory_order_relaxed); ++v) {
-        const std::uint32_t vertex = vertices_.vertex(v);
-        if (vertex == kNoVertex) continue;
-        for (std::size_t i = 1; i < count; ++i) {
-          const Difference d = difference_of(vertex, i);
-          if (!is_small(d)) {
-            fits.store(false, std::memory_order_relaxed);
-            return squared;
-          }
-          squared = std::max(squared, d.squared);
+      for (std::size_t v = chunk.begin(); v < chunk.end() && fits.load(std::memory_order_relaxed);) {
+        std::array<std::uint32_t, kBlock> block;
+        std::size_t count = 0;
+        for (; v != chunk.end() && count < kBlock; ++v) {
+          block[count] = vertices_.vertex(v);
+          count += block[count] != kNoVertex;
         }
+        if (!is_within(std::span(block).first(count), stretch, squared))
+          fits.store(false, std::memory_order_relaxed);
       }
       return squared;
     };
@@ -106,21 +139,17 @@ class Chords {
   const VertexChoice& vertices_;
   float tolerance_;
   std::vector<double> times_;
+  std::vector<std::uint32_t> sample_;
 };
 
-/// The last of `steps` that may follow the one at `first`, all between them left out.
-std::size_t longest_from(const Chords& chords, std::span<const std::size_t> steps, std::size_t first,
-                         double& deviation) {
-  const std::size_t last = steps.size() - 1;
-  std::size_t fits = first + 1, reach = 1;
-  double fitting = 0.0;
-  // It may: what is asked for is how far off that is.
-  if (steps[fits] > steps[first] + 1) chords.may_replace(steps[first], steps[fits], fitting);
+/// The last of those from `fits` to `last` for which `may_reach` says so, by doubling and halving; it does of
+/// `fits`.
+template <typename MayReach>
+std::size_t farthest(std::size_t fits, std::size_t last, const MayReach& may_reach) {
+  std::size_t reach = 1;
   const auto try_step = [&](std::size_t i) {
-    double off = 0.0;
-    if (!chords.may_replace(steps[first], steps[i], off)) return false;
+    if (!may_reach(i)) return false;
     fits = i;
-    fitting = off;
     return true;
   };
   while (fits < last && try_step(std::min(fits + reach, last))) reach *= 2;
@@ -128,6 +157,29 @@ std::size_t longest_from(const Chords& chords, std::span<const std::size_t> step
   while (too_far > fits + 1) {
     const std::size_t middle = fits + (too_far - fits) / 2;
     if (!try_step(middle)) too_far = middle;
+  }
+  return fits;
+}
+
+/// The last of `steps` that may follow the one at `first`, all between them left out. A sample of the
+/// vertices guesses it, so that mostly all of them are looked at once.
+std::size_t longest_from(const Chords& chords, std::span<const std::size_t> steps, std::size_t first,
+                         double& deviation) {
+  const std::size_t last = steps.size() - 1;
+  double fitting = 0.0;
+  const auto may_reach = [&](std::size_t i) {
+    double off = 0.0;
+    if (!chords.may_replace(steps[first], steps[i], off)) return false;
+    fitting = off;
+    return true;
+  };
+  const auto seems_reachable = [&](std::size_t i) {
+    return chords.seems_replaceable(steps[first], steps[i]);
+  };
+  std::size_t fits = farthest(first + 1, last, seems_reachable);
+  if (!may_reach(fits)) {
+    may_reach(first + 1);  // it may: what is asked for is how far off that is
+    fits = farthest(first + 1, fits - 1, may_reach);
   }
   deviation = std::max(deviation, fitting);
   return fits;

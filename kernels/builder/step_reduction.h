@@ -30,8 +30,8 @@ inline constexpr std::uint32_t kNoVertex = 0xFFFFFFFFu;
 /// where the mesh says, at all times, or within rounding: as far as straight motion is off whose positions
 /// were rounded to floats. All of `steps` do. Both motions are linear between steps, so they are furthest
 /// apart at one. From each step on the longest stretch is looked for by doubling and halving; not always the
-/// fewest that are possible. One step is kept where vertices that stand still are alive in all of [0, 1], for
-/// then they are hit at all times.
+/// fewest that are possible. Takes the time of reading all steps some times over. One step is kept where
+/// vertices that stand still are alive in all of [0, 1], for then they are hit at all times.
 StepReduction reduce_steps(const MeshView& mesh, const VertexChoice& vertices,
                            std::span<const std::size_t> steps, float tolerance);
 

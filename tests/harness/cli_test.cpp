@@ -244,6 +244,19 @@ TEST_F(Records, OfBuildsSayWhichStepsWereKept) {
   }
 }
 
+/// It asks for surfaces that stand elsewhere: how many rays that changes is a figure, not a failure.
+TEST_F(Records, OfErrorsWithATolerance) {
+  std::size_t wrong = 0;
+  for (const auto& r :
+       records("error --scenes wheels --scale 0.01 --structures stbvh-direct --rays uniform --count 3000 "
+               "--resample-steps 33 --tolerance 3e-2")) {
+    if (r["kind"] != "error") continue;
+    for (const char* count : {"missed", "false_hits", "wrong_primitive"})
+      wrong += r[count].get<std::size_t>();
+  }
+  EXPECT_GT(wrong, 0u);
+}
+
 /// Embree's structures are left out with a line that says why; what is left is measured and right.
 TEST_F(Records, OfUnevenStepsAreOurs) {
   const std::string options =
@@ -453,6 +466,18 @@ TEST(WrongAnswers, OfOursAreAnErrorThoseOfOthersAreFigures) {
     EXPECT_STREQ(
         wrong.what(),
         "3 wrong answers of our structures (stbvh on s, shadow: 2 missed, 1 false, 0 wrong primitive).");
+  }
+  std::vector<ErrorResult> many;
+  for (std::size_t missed = 1; missed <= 5; ++missed)
+    many.push_back({.scene = "s", .structure = "stbvh", .rays = std::to_string(missed), .missed = missed});
+  try {
+    require_right_answers(many);
+    FAIL();
+  } catch (const WrongAnswers& wrong) {
+    EXPECT_STREQ(wrong.what(),
+                 "15 wrong answers of our structures (stbvh on s, 5: 5 missed, 0 false, 0 wrong primitive; "
+                 "stbvh on s, 4: 4 missed, 0 false, 0 wrong primitive; stbvh on s, 3: 3 missed, 0 false, 0 "
+                 "wrong primitive; and in 2 places more).");
   }
 }
 

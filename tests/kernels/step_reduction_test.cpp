@@ -110,6 +110,20 @@ TEST(StepReduction, CurvedMotionKeepsAllStepsBitForBit) {
   EXPECT_EQ(Structure::build({&view, 1})->tree_hash(), Structure::build({&view, 1}, keep)->tree_hash());
 }
 
+/// Of many vertices a sample guesses which steps are needed; what it does not see counts all the same.
+TEST(StepReduction, OneVertexOfManyHasItsSay) {
+  TestMesh mesh = test::soup(1000, 33, 7);
+  const std::vector<Vec3f> still = mesh.positions[0];
+  ASSERT_GT(still.size(), 1000u);
+  for (std::vector<Vec3f>& step : mesh.positions) step = still;
+  for (const std::size_t vertex : {std::size_t{0}, std::size_t{3}, still.size() / 2 + 5, still.size() - 1}) {
+    TestMesh one = mesh;
+    one.positions[17][vertex].x += 1.0f;
+    EXPECT_EQ(reduce(one.view(), 0.0f).kept, (std::vector<std::size_t>{0, 16, 17, 18, 32})) << vertex;
+    EXPECT_EQ(measured_deviation(one.view(), reduce(one.view(), 0.0f).kept), 0.0) << vertex;
+  }
+}
+
 TEST(StepReduction, StaysWithinTheTolerance) {
   TestMesh meshes[] = {sphere(129, test::tumble),
                        test::at_times(sphere(129, test::tumble), test::uneven_times(129, 3)),
