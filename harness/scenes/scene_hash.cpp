@@ -2,25 +2,25 @@
 
 #include <fmt/format.h>
 
-#include <bit>
+#include <cstddef>
 #include <cstdint>
 
 #include "harness/scenes/scene_views.h"
 #include "stbvh/mesh_fingerprint.h"
 
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
 namespace stbvh::harness {
 namespace {
 
-/// FNV-1a over two words at once, with other constants in each.
+/// XXH3, 128 bits, of what is added, one after another.
 class Hash {
  public:
-  void add(std::uint64_t word) {
-    low_ = (low_ ^ word) * 0x100000001B3u;
-    low_ ^= low_ >> 29;
-    high_ = (high_ ^ word) * 0x9E3779B97F4A7C15u;
-    high_ ^= high_ >> 31;
-  }
-  void add(float x) { add(std::uint64_t{std::bit_cast<std::uint32_t>(x)}); }
+  Hash() { XXH3_128bits_reset(&state_); }
+
+  void add(std::uint64_t word) { add_bytes(&word, sizeof word); }
+  void add(float x) { add_bytes(&x, sizeof x); }
   void add(const Vec3f& v) {
     add(v.x);
     add(v.y);
@@ -39,10 +39,15 @@ class Hash {
     add(material.index_of_refraction);
     add(material.emission);
   }
-  std::string text() const { return fmt::format("{:016x}{:016x}", high_, low_); }
+  std::string text() const {
+    const XXH128_hash_t hash = XXH3_128bits_digest(&state_);
+    return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
+  }
 
  private:
-  std::uint64_t low_ = 0xCBF29CE484222325u, high_ = 0x6C62272E07BB0142u;
+  void add_bytes(const void* bytes, std::size_t count) { XXH3_128bits_update(&state_, bytes, count); }
+
+  XXH3_state_t state_;
 };
 
 }  // namespace
