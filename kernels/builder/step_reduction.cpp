@@ -15,10 +15,12 @@ namespace stbvh {
 
 namespace {
 
-constexpr std::size_t kChunk = 1024;
 /// Vertices that are looked at step by step: one by one, each would be read in thousands of buffers.
 constexpr std::size_t kBlock = 64;
-constexpr std::size_t kSampledVertices = 4 * kBlock;
+constexpr std::size_t kBlocksAtOnce = 16;  ///< of one thread, at least
+constexpr std::size_t kSampledVertices = 256;
+/// How often a mesh's sample may be wrong: finding that out costs as much as all that is left out.
+constexpr std::size_t kMostWrongGuesses = 16;
 
 /// Tells how far a mesh is from what some of its steps say of the others.
 class Chords {
@@ -37,18 +39,30 @@ class Chords {
 
   /// Whether the steps between `first` and `last` may be left out; `deviation` grows to that of doing so.
   bool may_replace(std::size_t first, std::size_t last, double& deviation) const {
-    return within({first, last, first + 1, last}, deviation);
+    return within({first, last, first + 1, last}, deviation) == kNoVertex;
   }
 
-  /// The same as far as a sample of the vertices tells.
+  /// Whether a sample of the vertices may be asked first.
+  bool may_guess() const { return wrong_guesses_ < kMostWrongGuesses; }
+
+  /// The same as may_replace() as far as the sample tells.
   bool seems_replaceable(std::size_t first, std::size_t last) const {
     double squared = 0.0;
     for (std::size_t i = 0; i < sample_.size(); i += kBlock) {
       const std::size_t count = std::min(kBlock, sample_.size() - i);
-      if (!is_within(std::span(sample_).subspan(i, count), {first, last, first + 1, last}, squared))
-        return false;
+      const std::span block = std::span(sample_).subspan(i, count);
+      if (first_beyond(block, {first, last, first + 1, last}, squared) != kNoVertex) return false;
     }
     return true;
+  }
+
+  /// may_replace() where the sample has said so: the sample learns where it was wrong.
+  bool confirms(std::size_t first, std::size_t last, double& deviation) {
+    const std::uint32_t beyond = within({first, last, first + 1, last}, deviation);
+    if (beyond == kNoVertex) return true;
+    sample_.push_back(beyond);
+    ++wrong_guesses_;
+    return false;
   }
 
   /// Whether `vertex` is at `step` where `first` and `last` say, or `first` alone where they are the same.
@@ -57,7 +71,9 @@ class Chords {
   }
 
   /// Whether all steps but the first may be left out.
-  bool stands_still(double& deviation) const { return within({0, 0, 1, mesh_.steps.size()}, deviation); }
+  bool stands_still(double& deviation) const {
+    return within({0, 0, 1, mesh_.steps.size()}, deviation) == kNoVertex;
+  }
 
  private:
   struct Difference {
@@ -95,44 +111,54 @@ class Chords {
     return result;
   }
 
-  /// Whether all `vertices` are where the stretch says; `squared` grows to the largest difference.
-  bool is_within(std::span<const std::uint32_t> vertices, const Stretch& stretch, double& squared) const {
+  /// One of `vertices` that is not where the stretch says, or kNoVertex; `squared` grows to the largest
+  /// difference.
+  std::uint32_t first_beyond(std::span<const std::uint32_t> vertices, const Stretch& stretch,
+                             double& squared) const {
     for (std::size_t step = stretch.begin; step < stretch.end; ++step) {
       const double share = along(stretch.first, stretch.last, step);
       for (const std::uint32_t vertex : vertices) {
         const Difference d = difference(vertex, stretch.first, stretch.last, step, share);
-        if (!is_small(d)) return false;
+        if (!is_small(d)) return vertex;
         squared = std::max(squared, d.squared);
       }
     }
-    return true;
+    return kNoVertex;
   }
 
-  /// The same of all that are chosen; `deviation` grows to the largest distance.
-  bool within(const Stretch& stretch, double& deviation) const {
-    if (stretch.begin >= stretch.end) return true;
-    std::atomic<bool> fits{true};
-    const tbb::blocked_range<std::size_t> all(0, vertices_.count, kChunk);
-    const auto largest_in = [&](const tbb::blocked_range<std::size_t>& chunk, double squared) {
-      for (std::size_t v = chunk.begin(); v < chunk.end() && fits.load(std::memory_order_relaxed);) {
-        std::array<std::uint32_t, kBlock> block;
-        std::size_t count = 0;
-        for (; v != chunk.end() && count < kBlock; ++v) {
-          block[count] = vertices_.vertex(v);
-          count += block[count] != kNoVertex;
-        }
-        if (!is_within(std::span(block).first(count), stretch, squared))
-          fits.store(false, std::memory_order_relaxed);
+  std::uint32_t first_beyond_in(std::size_t block, const Stretch& stretch, double& squared) const {
+    std::array<std::uint32_t, kBlock> vertices;
+    std::size_t count = 0;
+    const std::size_t end = std::min((block + 1) * kBlock, vertices_.count);
+    for (std::size_t v = block * kBlock; v < end; ++v) {
+      vertices[count] = vertices_.vertex(v);
+      count += vertices[count] != kNoVertex;
+    }
+    return first_beyond(std::span(vertices).first(count), stretch, squared);
+  }
+
+  /// The same of all that are chosen, in the first block that has one, for any number of threads; where there
+  /// is none `deviation` grows to the largest distance.
+  std::uint32_t within(const Stretch& stretch, double& deviation) const {
+    if (stretch.begin >= stretch.end) return kNoVertex;
+    const std::size_t blocks = (vertices_.count + kBlock - 1) / kBlock;
+    std::atomic<std::size_t> first_bad{blocks};
+    const auto largest_in = [&](const tbb::blocked_range<std::size_t>& range, double squared) {
+      for (std::size_t b = range.begin(); b < std::min(range.end(), first_bad.load()); ++b) {
+        if (first_beyond_in(b, stretch, squared) == kNoVertex) continue;
+        std::size_t bad = first_bad.load();
+        while (b < bad && !first_bad.compare_exchange_weak(bad, b)) continue;
       }
       return squared;
     };
-    const double largest =
+    const tbb::blocked_range<std::size_t> all(0, blocks, kBlocksAtOnce);
+    double largest =
         all.is_divisible()
             ? tbb::parallel_reduce(all, 0.0, largest_in, [](double a, double b) { return std::max(a, b); })
             : largest_in(all, 0.0);
-    if (!fits.load()) return false;
+    if (first_bad.load() < blocks) return first_beyond_in(first_bad.load(), stretch, largest);
     deviation = std::max(deviation, std::sqrt(largest));
-    return true;
+    return kNoVertex;
   }
 
   const MeshView& mesh_;
@@ -140,6 +166,7 @@ class Chords {
   float tolerance_;
   std::vector<double> times_;
   std::vector<std::uint32_t> sample_;
+  std::size_t wrong_guesses_ = 0;
 };
 
 /// The last of those from `fits` to `last` for which `may_reach` says so, by doubling and halving; it does of
@@ -163,9 +190,16 @@ std::size_t farthest(std::size_t fits, std::size_t last, const MayReach& may_rea
 
 /// The last of `steps` that may follow the one at `first`, all between them left out. A sample of the
 /// vertices guesses it, so that mostly all of them are looked at once.
-std::size_t longest_from(const Chords& chords, std::span<const std::size_t> steps, std::size_t first,
+std::size_t longest_from(Chords& chords, std::span<const std::size_t> steps, std::size_t first,
                          double& deviation) {
   const std::size_t last = steps.size() - 1;
+  while (chords.may_guess()) {
+    const auto seems_reachable = [&](std::size_t i) {
+      return chords.seems_replaceable(steps[first], steps[i]);
+    };
+    const std::size_t fits = farthest(first + 1, last, seems_reachable);
+    if (chords.confirms(steps[first], steps[fits], deviation)) return fits;
+  }
   double fitting = 0.0;
   const auto may_reach = [&](std::size_t i) {
     double off = 0.0;
@@ -173,14 +207,8 @@ std::size_t longest_from(const Chords& chords, std::span<const std::size_t> step
     fitting = off;
     return true;
   };
-  const auto seems_reachable = [&](std::size_t i) {
-    return chords.seems_replaceable(steps[first], steps[i]);
-  };
-  std::size_t fits = farthest(first + 1, last, seems_reachable);
-  if (!may_reach(fits)) {
-    may_reach(first + 1);  // it may: what is asked for is how far off that is
-    fits = farthest(first + 1, fits - 1, may_reach);
-  }
+  may_reach(first + 1);  // it may: what is asked for is how far off that is
+  const std::size_t fits = farthest(first + 1, last, may_reach);
   deviation = std::max(deviation, fitting);
   return fits;
 }
@@ -197,7 +225,7 @@ float step_time(const MeshView& mesh, std::size_t step) {
 
 StepReduction reduce_steps(const MeshView& mesh, const VertexChoice& vertices,
                            std::span<const std::size_t> steps, float tolerance) {
-  const Chords chords(mesh, vertices, tolerance);
+  Chords chords(mesh, vertices, tolerance);
   StepReduction reduction;
   if (chords.time(steps.front()) <= 0.0 && chords.time(steps.back()) >= 1.0 &&
       chords.stands_still(reduction.deviation)) {
