@@ -116,7 +116,7 @@ TEST(StepReduction, OneVertexOfManyHasItsSay) {
   TestMesh mesh = test::soup(1000, 33, 7);
   const std::vector<Vec3f> still = mesh.positions[0];
   ASSERT_GT(still.size(), 1000u);
-  for (std::vector<Vec3f>& step : mesh.positions) step = still;
+  mesh.positions.assign(33, still);
   for (const std::size_t vertex : {std::size_t{0}, std::size_t{3}, still.size() / 2 + 5, still.size() - 1}) {
     TestMesh one = mesh;
     one.positions[17][vertex].x += 1.0f;
@@ -130,8 +130,8 @@ TEST(StepReduction, FewVerticesThatMoveAreFoundOnce) {
   constexpr std::size_t kSteps = 129;
   TestMesh mesh = test::soup(4000, kSteps, 7);
   const std::vector<Vec3f> still = mesh.positions[0];
+  mesh.positions.assign(kSteps, still);
   for (std::size_t step = 0; step < kSteps; ++step) {
-    mesh.positions[step] = still;
     for (const std::size_t vertex : {still.size() / 3 + 1, still.size() / 2 + 1, still.size() - 3})
       mesh.positions[step][vertex].y += std::sin(0.1f * static_cast<float>(step * vertex % 1000));
   }
