@@ -27,7 +27,8 @@ ErrorResult to_result(const Scene& scene, const std::string& structure, const Ra
           .within_rounding = counts.within_rounding,
           .near_edge = counts.near_edge,
           .distance = distance_figures(counts.distances),
-          .is_any_hit = rays.any_hit()};
+          .is_any_hit = rays.any_hit(),
+          .has_tolerance = scene.tolerance > 0.0f};
 }
 
 RecordedAnswer to_record(const Scene& scene, bool is_hit, bool is_any_hit, double t, std::uint32_t mesh,

@@ -14,7 +14,8 @@ struct WrongAnswers : std::runtime_error {
 };
 
 /// Throws WrongAnswers if a structure that promises exact answers (is_exact()) missed, falsely hit or hit a
-/// wrong primitive beyond rounding in any of `results`. What other structures answer is theirs.
+/// wrong primitive beyond rounding in any of `results`. What other structures answer is theirs; and where a
+/// scene has a tolerance, surfaces may stand elsewhere.
 void require_right_answers(std::span<const ErrorResult> results);
 
 /// The same; a leak is a wrong answer too.

@@ -121,6 +121,7 @@ struct ErrorResult {
   std::size_t near_edge = 0;
   DistanceFigures distance{};
   bool is_any_hit = false;                  ///< occlusion rays have no t and no primitive
+  bool has_tolerance = false;               ///< surfaces of ours may stand elsewhere
   std::vector<DifferingRay> differences{};  ///< the first of them, without ties
 };
 
