@@ -18,10 +18,11 @@
 namespace stbvh::harness {
 namespace {
 
-/// Meshes with unlike steps, and unlike time ranges where the structure takes them.
+/// Meshes with unlike steps, and unlike time ranges where the structure takes them. On SSE2 Embree's own
+/// packets of shadow rays hit moving triangles outside their time range, too (docs/api.md).
 Scene scene_for(std::string_view structure, std::size_t triangles_per_mesh = 300) {
   Scene scene = mixed_step_scene(triangles_per_mesh);
-  if (obstacle(structure, scene).empty()) return scene;
+  if (structure != "embree-16" && obstacle(structure, scene).empty()) return scene;
   for (Mesh& mesh : scene.meshes) mesh.time_range = {};
   return scene;
 }
