@@ -4,7 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <limits>
+#include <numeric>
+#include <set>
 
 #include "harness/images/flip.h"
 #include "harness/images/tone_map.h"
@@ -51,9 +55,8 @@ bool is_finite(const std::array<float, 3>& color) {
   return std::all_of(color.begin(), color.end(), [](float v) { return std::isfinite(v); });
 }
 
-bool are_same(const std::array<float, 3>& a, const std::array<float, 3>& b) {
-  const auto same = [](float x, float y) { return x == y || (std::isnan(x) && std::isnan(y)); };
-  return std::equal(a.begin(), a.end(), b.begin(), same);
+bool are_same(float x, float y) {
+  return x == y || (std::isnan(x) && std::isnan(y));
 }
 
 /// Where both have pixels.
@@ -89,8 +92,33 @@ PixelWindow checked_window(const LayeredImage& picture, const LayeredImage& refe
   return common;
 }
 
-/// What the numbers of pixels do not say.
-std::vector<std::string> warnings_of(const LayeredImage& picture, const LayeredImage& reference) {
+/// Names of channels that `other` lacks.
+std::vector<std::string> only_in(const LayeredImage& image, const LayeredImage& other) {
+  const auto names_of = [](const LayeredImage& of) {
+    std::set<std::string> names;
+    for (const Channel& channel : of.channels) names.insert(channel.name);
+    for (const IdChannel& channel : of.id_channels) names.insert(channel.name);
+    return names;
+  };
+  const std::set<std::string> mine = names_of(image), others = names_of(other);
+  std::vector<std::string> found;
+  std::set_difference(mine.begin(), mine.end(), others.begin(), others.end(), std::back_inserter(found));
+  return found;
+}
+
+/// Of the alpha of both.
+std::size_t differing_alphas(const LayeredImage& picture, const LayeredImage& reference,
+                             const PixelWindow& part) {
+  const std::vector<float>*a = picture.find("A"), *b = reference.find("A");
+  if (a == nullptr || b == nullptr) return 0;
+  const std::vector<float> mine = cropped(*a, picture, part), others = cropped(*b, reference, part);
+  return std::inner_product(mine.begin(), mine.end(), others.begin(), std::size_t{0}, std::plus<>(),
+                            [](float x, float y) { return are_same(x, y) ? 0u : 1u; });
+}
+
+/// What R, G and B of `common`, which both have, do not say.
+std::vector<std::string> warnings_of(const LayeredImage& picture, const LayeredImage& reference,
+                                     const PixelWindow& common) {
   std::vector<std::string> warnings;
   if (picture.display_window() != reference.display_window()) {
     warnings.push_back(fmt::format("The display windows differ: {}, of the reference {}.",
@@ -101,11 +129,29 @@ std::vector<std::string> warnings_of(const LayeredImage& picture, const LayeredI
         fmt::format("The shapes of the pixels differ: {} times as wide as high, of the reference {}.",
                     picture.pixel_aspect, reference.pixel_aspect));
   }
-  if (picture.chromaticities != reference.chromaticities) {
+  if (!std::equal(picture.chromaticities.begin(), picture.chromaticities.end(),
+                  reference.chromaticities.begin(), are_same)) {
     warnings.push_back(fmt::format(
         "R, G and B are of other colors in the two: the chromaticities are {}, of the reference {}.",
         fmt::join(picture.chromaticities, " "), fmt::join(reference.chromaticities, " ")));
   }
+  if (!are_same(picture.white_luminance, reference.white_luminance)) {
+    warnings.push_back(
+        fmt::format("White is of another luminance in the two: {}, of the reference {} (0: not said).",
+                    picture.white_luminance, reference.white_luminance));
+  }
+  if (picture.is_cube_map != reference.is_cube_map) {
+    warnings.push_back(fmt::format("The {} is the six sides of a cube, the {} is not.",
+                                   picture.is_cube_map ? "picture" : "reference",
+                                   picture.is_cube_map ? "reference" : "picture"));
+  }
+  if (const std::size_t alphas = differing_alphas(picture, reference, common); alphas > 0)
+    warnings.push_back(fmt::format("A, which is not compared, differs in {} of {} pixels.", alphas,
+                                   common.width * common.height));
+  if (const auto names = only_in(picture, reference); !names.empty())
+    warnings.push_back(fmt::format("Only the picture has {}.", fmt::join(names, ", ")));
+  if (const auto names = only_in(reference, picture); !names.empty())
+    warnings.push_back(fmt::format("Only the reference has {}.", fmt::join(names, ", ")));
   return warnings;
 }
 
@@ -183,7 +229,7 @@ Comparison compare(const LayeredImage& picture, const LayeredImage& reference) {
   Comparison found{.width = common.width, .height = common.height, .left = common.left, .top = common.top};
   found.only_in_picture = picture.width * picture.height - count;
   found.only_in_reference = reference.width * reference.height - count;
-  found.warnings = warnings_of(picture, reference);
+  found.warnings = warnings_of(picture, reference, common);
   const std::vector<bool> finite = finite_pixels(a, b);
   found.not_finite = static_cast<std::size_t>(std::count(finite.begin(), finite.end(), false));
   if (found.not_finite == count) throw ComparisonError("No pixel is finite in both pictures.");
@@ -193,7 +239,7 @@ Comparison compare(const LayeredImage& picture, const LayeredImage& reference) {
   for (std::size_t i = 0; i < count; ++i) {
     const std::array<float, 3> p = pixel(a, i);
     const std::array<float, 3> r = pixel(b, i);
-    if (!are_same(p, r)) differing.push_back(i);
+    if (!std::equal(p.begin(), p.end(), r.begin(), are_same)) differing.push_back(i);
     if (!finite[i]) continue;
     squares += squared_difference(p, r);
     for (std::size_t c = 0; c < 3; ++c) {

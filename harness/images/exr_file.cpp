@@ -66,6 +66,7 @@ std::string encode(const LayeredImage& image) {
   Imf::Header header(to_box(image.display_window()), to_box(image.window()), image.pixel_aspect);
   if (image.is_cube_map) Imf::addEnvmap(header, Imf::ENVMAP_CUBE);
   if (image.chromaticities != kRec709) Imf::addChromaticities(header, to_exr(image.chromaticities));
+  if (image.white_luminance != 0) Imf::addWhiteLuminance(header, image.white_luminance);
   header.compression() = Imf::ZIP_COMPRESSION;
   Imf::FrameBuffer pixels;
   for (const Channel& channel : image.channels) add_channel(image, channel, Imf::FLOAT, header, pixels);
@@ -108,6 +109,7 @@ LayeredImage without_pixels(const Imf::Header& header) {
   image.display = to_window(header.displayWindow());
   image.pixel_aspect = header.pixelAspectRatio();
   if (Imf::hasChromaticities(header)) image.chromaticities = from_exr(Imf::chromaticities(header));
+  if (Imf::hasWhiteLuminance(header)) image.white_luminance = Imf::whiteLuminance(header);
   image.is_cube_map = Imf::hasEnvmap(header) && Imf::envmap(header) == Imf::ENVMAP_CUBE;
   for (auto a = header.begin(); a != header.end(); ++a) {
     const auto* text = dynamic_cast<const Imf::StringAttribute*>(&a.attribute());
@@ -118,7 +120,7 @@ LayeredImage without_pixels(const Imf::Header& header) {
   return image;
 }
 
-LayeredImage decode(std::string_view bytes) {
+LayeredImage decode(std::string& bytes) {
   LayeredImage image = without_pixels(read_exr_header(bytes));
   MemoryIn stream(bytes);
   Imf::InputFile file(stream);
@@ -150,7 +152,7 @@ void write_exr(const LayeredImage& image, const fs::path& path) {
 }
 
 LayeredImage read_exr(const fs::path& path) {
-  const std::string bytes = bytes_of(path);
+  std::string bytes = bytes_of(path);
   try {
     return decode(bytes);
   } catch (const std::bad_alloc&) {

@@ -4,7 +4,7 @@
 #include <ImfHeader.h>
 
 #include <cstddef>
-#include <string_view>
+#include <string>
 
 #include "harness/images/layered_image.h"
 
@@ -16,7 +16,8 @@ PixelWindow to_window(const Imath::Box2i& box);
 
 /// The header of a file of one part that has each pixel once, with a size and with attributes that the file
 /// can hold: whatever OpenEXR allocates for it, it has been held against the size of the file. Throws
-/// Iex::InputExc, or what OpenEXR throws.
-Imf::Header read_exr_header(std::string_view file);
+/// Iex::InputExc, or what OpenEXR throws. Gives attributes in `file` that only OpenEXR itself could hold
+/// against it another type, so that OpenEXR passes over them.
+Imf::Header read_exr_header(std::string& file);
 
 }  // namespace stbvh::harness

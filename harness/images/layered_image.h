@@ -50,6 +50,7 @@ struct LayeredImage {
   std::int64_t top = 0;
   std::optional<PixelWindow> display{};     ///< the frame of the shot; empty: just these pixels
   Chromaticities chromaticities = kRec709;  ///< what R, G and B mean
+  float white_luminance = 0;                ///< candela per square metre of (1, 1, 1); 0: not said
   float pixel_aspect = 1;                   ///< width of a pixel over its height
   bool is_cube_map = false;                 ///< all directions on the six sides of a cube
 

@@ -218,6 +218,40 @@ TEST(Compare, WarnsOfWhatPixelsDoNotSay) {
   other = reference;
   other.pixel_aspect = 2;
   EXPECT_NE(warning(other).find("2 times as wide"), std::string::npos);
+  other = reference;
+  other.white_luminance = 1000;
+  EXPECT_NE(warning(other).find("another luminance in the two: 1000"), std::string::npos);
+  other = reference;
+  other.is_cube_map = true;
+  EXPECT_NE(warning(other).find("The picture is the six sides of a cube"), std::string::npos);
+  other = reference;
+  other.channels.push_back({"depth.Z", other.channels[0].values});
+  other.id_channels.push_back({"mesh.id", std::vector<std::uint32_t>(other.width * other.height)});
+  EXPECT_EQ(warning(other), "Only the picture has depth.Z, mesh.id.");
+}
+
+TEST(Compare, WarnsOfAlphasThatDifferWhereBothHavePixels) {
+  const auto with_alpha = [](const PixelWindow& window, float alpha) {
+    LayeredImage image = part_of_shot(window);
+    image.channels.push_back({"A", std::vector<float>(image.width * image.height, alpha)});
+    return image;
+  };
+  const LayeredImage whole = with_alpha({0, 0, 40, 30}, 1);
+  LayeredImage part = with_alpha({30, 20, 40, 30}, 1);
+  EXPECT_TRUE(compare(part, whole).warnings.empty());
+  part.channels[3].values.back() = 0;  // where the other has no pixels
+  EXPECT_TRUE(compare(part, whole).warnings.empty());
+  part.channels[3].values.front() = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_EQ(compare(part, whole).warnings,
+            std::vector<std::string>{"A, which is not compared, differs in 1 of 100 pixels."});
+  EXPECT_TRUE(compare(part, part).warnings.empty());
+}
+
+TEST(Compare, ChromaticitiesThatAreNoNumbersAreTheSameAsThemselves) {
+  LayeredImage picture = flat(4, 4, {0, 0, 0});
+  picture.chromaticities[3] = picture.white_luminance = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_TRUE(compare(picture, picture).warnings.empty());
+  EXPECT_EQ(compare(picture, flat(4, 4, {0, 0, 0})).warnings.size(), 2u);
 }
 
 TEST(Compare, RefusesWhatCannotBeCompared) {
