@@ -8,10 +8,6 @@
 
 namespace stbvh {
 
-namespace {
-
-/// Whether `count` elements of `bytes`, `stride` apart, can lie at `data`: no object takes more than half of
-/// the address space.
 bool fits_into_memory(const void* data, std::size_t count, std::size_t stride, std::size_t bytes) {
   constexpr std::size_t kMost = std::numeric_limits<std::ptrdiff_t>::max();
   if (stride > kMost) return false;
@@ -20,6 +16,8 @@ bool fits_into_memory(const void* data, std::size_t count, std::size_t stride, s
   const std::size_t extent = (count - 1) * stride + bytes;
   return reinterpret_cast<std::uintptr_t>(data) <= std::numeric_limits<std::uintptr_t>::max() - extent;
 }
+
+namespace {
 
 const char* problem_of_indices(const MeshView& mesh) {
   if (mesh.indices == nullptr && mesh.triangle_count > 0) return "has no index buffer";

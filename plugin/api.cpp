@@ -90,7 +90,8 @@ void query(StbvhGeometry handle, Options* options,
   const stbvh::plugin::Geometry& geometry = handle->geometry;
   if (rays.count == 0) return;
   if (rays.first == nullptr ||
-      (rays.count > 1 && (rays.stride < sizeof(Ray) || rays.stride % alignof(float) != 0)))
+      (rays.count > 1 && (rays.stride < sizeof(Ray) || rays.stride % alignof(float) != 0 ||
+                          !stbvh::fits_into_memory(rays.first, rays.count, rays.stride, sizeof(Ray)))))
     return set_device_error(geometry.device(), RTC_ERROR_INVALID_ARGUMENT);
   if (geometry.published() == nullptr) return;
   QueryContext plain = new_context();

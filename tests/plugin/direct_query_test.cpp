@@ -226,6 +226,14 @@ TEST(PluginDirectQueries, RefuseRaysThatCannotBe) {
   expect(rays.data(), 2, 0, RTC_ERROR_INVALID_ARGUMENT);
   expect(rays.data(), 2, sizeof(RTCRayHit) - 4, RTC_ERROR_INVALID_ARGUMENT);
   expect(rays.data(), 2, sizeof(RTCRayHit) + 2, RTC_ERROR_INVALID_ARGUMENT);
+  const std::size_t most = std::numeric_limits<std::size_t>::max();
+  for (const std::size_t count : {std::size_t{2}, std::size_t{3}, std::size_t{5}, most / 2, most}) {
+    for (const std::size_t stride : {most - 95, most - 3, most / 2 + 1}) {
+      expect(rays.data(), count, stride, RTC_ERROR_INVALID_ARGUMENT);
+    }
+  }
+  expect(rays.data(), 3, most / 4 + 1, RTC_ERROR_INVALID_ARGUMENT);
+  expect(rays.data(), most, sizeof(RTCRayHit), RTC_ERROR_INVALID_ARGUMENT);
   expect(nullptr, 0, 0, RTC_ERROR_NONE);
   expect(rays.data(), 0, 0, RTC_ERROR_NONE);
   intersect_many(StbvhGeometry{}, rays.data(), 1, sizeof(RTCRayHit));

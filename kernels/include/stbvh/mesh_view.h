@@ -65,6 +65,10 @@ struct MeshView {
 /// where denormal ends count as 0. Two steps must be as far apart.
 bool is_usable(const TimeRange& range);
 
+/// Whether `count` elements of `bytes`, `stride` > 0 bytes apart, can lie at `data`: no object takes more
+/// than half of the address space.
+bool fits_into_memory(const void* data, std::size_t count, std::size_t stride, std::size_t bytes);
+
 /// What keeps a mesh from being built, in a few words behind its name ("has no steps"); null: nothing. No
 /// buffer is read.
 const char* problem_of(const MeshView& mesh);

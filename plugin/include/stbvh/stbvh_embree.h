@@ -382,7 +382,8 @@ STBVH_NODISCARD STBVH_API enum RTCError stbvhCommitSavedGeometry(StbvhGeometry g
  * scenes that are instanced. The reference is borrowed: rtcRetainGeometry it to keep it beyond the handle.
  *
  * The handle sets its time steps, time range, mask, user data and callbacks; the application must not. It may
- * attach, detach, enable and disable it.
+ * attach, detach, enable and disable it. rtcCommitGeometry builds nothing and is no error, as Embree tells
+ * nobody of it: the geometry shows what the last stbvhCommitGeometry made, nothing before the first.
  */
 STBVH_API RTCGeometry stbvhGetGeometry(StbvhGeometry geometry);
 
@@ -421,8 +422,8 @@ STBVH_API void stbvhOccluded1(StbvhGeometry geometry, struct RTCIntersectContext
  * (docs/performance.md). The rays need not be alike, nor sorted; dozens or more in a call are best.
  * Filters run on the calling thread, for one ray's candidates between those of others.
  *
- * RTC_ERROR_INVALID_ARGUMENT as the device's error, and nothing traced: rays null, or a stride that is too
- * small or not a multiple of 4.
+ * RTC_ERROR_INVALID_ARGUMENT as the device's error, and nothing traced: rays null, a stride that is too
+ * small or not a multiple of 4, or rays that reach beyond the end of memory.
  */
 #if RTC_VERSION_MAJOR >= 4
 STBVH_API void stbvhIntersectN(StbvhGeometry geometry, struct RTCRayHit* rayhits, size_t count,
