@@ -341,7 +341,17 @@ TEST_F(EmbreeXmlTest, CommandListsMayNameObjFiles) {
   EXPECT_EQ(scene.camera.vertical_fov_degrees, 37);
   expect_at(scene.camera.position, 1, 2, 3);
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_TRUE(warned_of("The material \"none\" is not defined"));
+  EXPECT_TRUE(warned_of(at("w.obj") + ": 1 material is not defined, and read as diffuse grey: \"none\""));
+}
+
+TEST_F(EmbreeXmlTest, CommandListsWithCarriageReturnsAndHashesInNames) {
+  write_scene(triangle());
+  for (const int step : {1, 2})
+    write("w_" + std::to_string(step) + ".obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const Scene scene = load_file(write("l.ecs", "# first\r-i s.xml\r-i w_##.obj\r-fov 37 # -fov 50\r"));
+  ASSERT_EQ(scene.meshes.size(), 2u);
+  EXPECT_EQ(scene.meshes[1].steps.size(), 2u);
+  EXPECT_EQ(scene.camera.vertical_fov_degrees, 37);
 }
 
 TEST_F(EmbreeXmlTest, ByteOrderMarks) {
@@ -357,7 +367,7 @@ TEST_F(EmbreeXmlTest, ByteOrderMarks) {
 }
 
 TEST_F(EmbreeXmlTest, TrianglesThatAreNotFiniteAreLeftOutAndCounted) {
-  for (const char* const bad : {"nan", "+inf", "-1e39", "2e18"}) {
+  for (const char* const bad : {"nan", "+inf", "-1e39", "2e18", "1e400", "1.#INF", "-1.#IND", "-nan(ind)"}) {
     const std::string positions = std::string("0 0 0 1 0 0 0 1 0 1 1 ") + bad;
     const Scene scene = load("<TriangleMesh name=\"a\"><positions>" + positions +
                              "</positions><triangles>0 1 2 1 3 2</triangles></TriangleMesh>");

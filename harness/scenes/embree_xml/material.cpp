@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
+#include "harness/files/numbers.h"
 #include "harness/files/text.h"
 #include "harness/scenes/embree_xml/document.h"
-#include "harness/scenes/embree_xml/numbers.h"
 #include "harness/scenes/obj/mtl_file.h"
 
 namespace stbvh::harness::embree_xml {
@@ -27,7 +27,7 @@ class Parameters {
       std::vector<float>& values = values_[entry.attribute("name").value()];
       values.clear();
       for (auto word = take_word(rest); !word.empty(); word = take_word(rest)) {
-        const auto value = parse_number<float>(word);
+        const auto value = to_number<float>(word);
         if (!value || !std::isfinite(*value))
           fail(entry, "the material parameter \"{}\" is not a number", entry.attribute("name").value());
         values.push_back(*value);

@@ -21,8 +21,9 @@ inline constexpr const char* kTexturesLeftOut =
     "Textures are left out: materials have the same color everywhere.";
 inline constexpr const char* kReadAsOpaque = "OBJ materials with d below 1 are read as opaque.";
 
-/// The materials of a library (.mtl) by name: Kd, Ks, Ns and Ke. Tells `warn` what else it would show. Throws
-/// SceneFileError for a file that cannot be read and for numbers that are none.
+/// The materials of a library (.mtl) by name: Kd, Ks, Ns and Ke. Tells `warn` what else it would show, and
+/// which values are left out, as they are no finite numbers. Throws SceneFileError for a file that cannot be
+/// read.
 std::map<std::string, Material> read_mtl_file(const std::filesystem::path& file, const SceneWarning& warn);
 
 }  // namespace stbvh::harness
