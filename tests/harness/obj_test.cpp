@@ -207,6 +207,28 @@ TEST_F(ObjTest, SequencesOnTwos) {
   expect_refused(at("w%d.obj"), "w2.obj: its number is only 1 more than that of w1.obj, not 2", 2);
 }
 
+TEST_F(ObjTest, PatternsMayHaveSignsThatAreNoNumber) {
+  for (const int number : {1, 2}) {
+    for (const char* const before : {"a/50%_", "b/a#1_", "c/$Fx", "d/100%d_", "e/#", "e/50%%_"})
+      write_step(before + std::to_string(number) + ".obj", number);
+  }
+  for (const auto& [pattern, name] :
+       {std::pair{"a/50%_%d.obj", "50%"}, std::pair{"a/50%%_%03d.obj", "50%"},
+        std::pair{"a/50%_#.obj", "50%"}, std::pair{"a/50%%_$F4.obj", "50%"}, std::pair{"b/a#1_%d.obj", "a#1"},
+        std::pair{"c/$Fx%d.obj", "$Fx"}, std::pair{"d/100%%d_%d.obj", "100%d"}, std::pair{"e/#%d.obj", "#"},
+        std::pair{"e/50%%%%_%d.obj", "50%%"}}) {
+    const Scene scene = load_obj(at(pattern));
+    EXPECT_EQ(heights(scene), (std::vector<float>{1, 2})) << pattern;
+    EXPECT_EQ(scene.name, name) << pattern;
+  }
+  for (const char* const name : {"w_%d.obj", "a#1.obj", "50%%.obj"}) {  // of files that are there
+    write_step(std::string("literal/") + name, 5);
+    const Scene scene = load_obj(at(std::string("literal/") + name));
+    EXPECT_EQ(heights(scene), (std::vector<float>{5})) << name;
+    EXPECT_EQ(scene.name + ".obj", name);
+  }
+}
+
 TEST_F(ObjTest, NothingIsLeftOutSilently) {
   write_step("hidden/w1.obj", 1);
   write_step("hidden/w2.obj", 2);
@@ -217,6 +239,10 @@ TEST_F(ObjTest, NothingIsLeftOutSilently) {
   EXPECT_EQ(heights(scene), (std::vector<float>{1, 2}));
   EXPECT_EQ(said, std::vector<std::string>{at("hidden") + ": hidden files are left out: ._w1.obj, .w3.obj"});
   expect_refused(at("hidden/.w1.obj"), "no such file");
+  write_step("all_hidden/.w1.obj", 1);
+  write_step("all_hidden/._w2.obj", 1);
+  expect_refused(at("all_hidden"),
+                 "the folder has no .obj files but hidden ones, which are left out: ._w2.obj, .w1.obj");
   write_step("case/w1.obj", 1);
   write_step("case/w2.OBJ", 2);
   EXPECT_EQ(heights(load_obj(at("case/w%d.obj"))), (std::vector<float>{1, 2}));
@@ -255,7 +281,8 @@ TEST_F(ObjTest, SequencesThatAreNoneAreRefused) {
   expect_refused(at("gap/v%d.obj"), "there is no such file");
   expect_refused(at("none/w%d.obj"), "the folder cannot be read");
   expect_refused(at("none.obj"), "there is no such file");
-  for (const char* name : {"w%s.obj", "w%d_%d.obj", "w%.obj", "w%99999d.obj", "100%.obj"})
+  for (const char* name : {"w%s.obj", "w%d_%d.obj", "w%d_%d#.obj", "w#_$F.obj", "w%%d.obj", "w%.obj",
+                           "w%99999d.obj", "100%.obj"})
     expect_refused(at(name), "one number in its name");
 }
 
