@@ -256,7 +256,9 @@ TEST_F(EmbreeXmlTest, MaterialsAreKnownByTheirIds) {
   expect_at(scene.meshes[0].material.color, 1, 0, 0);
   expect_at(scene.meshes[2].material.color, 0, 1, 0);
   expect_at(scene.meshes[3].material.color, 0.7f, 0.7f, 0.7f);
-  EXPECT_EQ(warnings.size(), 2u);
+  EXPECT_EQ(warnings.size(), 1u);
+  EXPECT_TRUE(
+      warned_of(at("s.xml") + ": 2 materials are not defined, and read as diffuse grey: \"8\", \"9\""));
 }
 
 TEST_F(EmbreeXmlTest, Lights) {
@@ -342,6 +344,21 @@ TEST_F(EmbreeXmlTest, CommandListsMayNameObjFiles) {
   expect_at(scene.camera.position, 1, 2, 3);
   ASSERT_EQ(warnings.size(), 1u);
   EXPECT_TRUE(warned_of(at("w.obj") + ": 1 material is not defined, and read as diffuse grey: \"none\""));
+}
+
+TEST_F(EmbreeXmlTest, MaterialsThatAreMissingTakeOneLine) {
+  std::string meshes;
+  for (const std::string id : {"a", "b", "c", "d", "e", "f", "g", "a"}) {
+    meshes += "<TriangleMesh><material id=\"" + id +
+              "\"/><positions>0 0 0 1 0 0 0 1 0</positions><triangles>0 1 2</triangles></TriangleMesh>";
+  }
+  const Scene scene = load(meshes);
+  ASSERT_EQ(scene.meshes.size(), 8u);
+  EXPECT_EQ(scene.meshes[0].material.color.x, Material{}.color.x);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0], at("s.xml") +
+                             ": 7 materials are not defined, and read as diffuse grey: "
+                             "\"a\", \"b\", \"c\", \"d\", \"e\" and 2 more");
 }
 
 TEST_F(EmbreeXmlTest, CommandListsWithCarriageReturnsAndHashesInNames) {

@@ -107,7 +107,7 @@ Material MaterialReader::read(pugi::xml_node material) {
   std::string kind = text_of(material.child("code"));
   std::erase_if(kind, [](unsigned char c) { return c == '"' || std::isspace(c); });
   if (!element && kind.empty()) {
-    warn_(fmt::format("The material \"{}\" is not defined and read as diffuse grey.", id));
+    if (undefined_ids_.insert(id).second) undefined_.add(fmt::format("\"{}\"", id));
     return {};
   }
   const Parameters parameters(element, warn_);
@@ -117,6 +117,10 @@ Material MaterialReader::read(pugi::xml_node material) {
   result.emission = {std::max(emission.x, 0.0f), std::max(emission.y, 0.0f), std::max(emission.z, 0.0f)};
   if (!id.empty()) by_id_[id] = result;
   return result;
+}
+
+void MaterialReader::tell_undefined(const std::filesystem::path& file) const {
+  warn_of_undefined(undefined_, file, warn_);
 }
 
 void MaterialReader::define(const std::string& id, pugi::xml_node material) {

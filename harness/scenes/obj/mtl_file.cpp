@@ -11,7 +11,6 @@
 #include "harness/files/input_file.h"
 #include "harness/files/numbers.h"
 #include "harness/scenes/cancellation.h"
-#include "harness/scenes/name_list.h"
 #include "harness/scenes/obj/obj_lines.h"
 
 namespace stbvh::harness {
@@ -154,6 +153,13 @@ Material obj_material(Vec3f diffuse, Vec3f specular, float exponent) {
   material.index_of_refraction = index_reflecting(largest);
   material.roughness = roughness_of(exponent);
   return material;
+}
+
+void warn_of_undefined(const NameList& materials, const std::filesystem::path& file,
+                       const SceneWarning& warn) {
+  if (materials.count() == 0) return;
+  warn(fmt::format("{}: {} material{} not defined, and read as diffuse grey: {}", file.string(),
+                   materials.count(), materials.count() == 1 ? " is" : "s are", materials.text()));
 }
 
 std::map<std::string, Material> read_mtl_file(const std::filesystem::path& file, const SceneWarning& warn) {

@@ -177,10 +177,7 @@ std::vector<Mesh> make_meshes(const std::vector<Part>& parts,
       undefined.add(fmt::format("\"{}\"", part.material));
     }
   }
-  if (undefined.count() > 0) {
-    warn(fmt::format("{}: {} material{} not defined, and read as diffuse grey: {}", path.string(),
-                     undefined.count(), undefined.count() == 1 ? " is" : "s are", undefined.text()));
-  }
+  warn_of_undefined(undefined, path, warn);
   return meshes;
 }
 
