@@ -62,6 +62,8 @@ std::string read_text_file(const std::filesystem::path& path, std::size_t most_b
   for (const auto& [mark, encoding] : kWideMarks) {
     if (text.starts_with(mark)) throw InputFileError(fmt::format("is {} text, not UTF-8", encoding));
   }
+  if (text.find('\0') != std::string::npos)
+    throw InputFileError("has bytes of 0, as UTF-16 and binary files do: it is not UTF-8 text");
   if (text.starts_with(kUtf8Mark)) text.erase(0, kUtf8Mark.size());
   return text;
 }

@@ -25,7 +25,7 @@ inline constexpr std::size_t kMaxHandwrittenBytes = std::size_t{16} << 20;
 std::string read_whole_file(const std::filesystem::path& path, std::size_t most_bytes);
 
 /// The same for text in UTF-8, without the byte order mark that it may begin with. Refuses text whose mark
-/// says UTF-16 or UTF-32.
+/// says UTF-16 or UTF-32, or that has bytes of 0, as such text has without a mark.
 std::string read_text_file(const std::filesystem::path& path, std::size_t most_bytes);
 
 /// A file of which parts are read: refused as by read_whole_file().

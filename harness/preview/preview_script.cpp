@@ -104,7 +104,7 @@ std::vector<ScriptCommand> parse_script(const std::string& text) {
   std::string_view rest = text;
   for (std::size_t number = 1; !rest.empty(); ++number) {
     std::string_view line = take_line(rest);
-    line = line.substr(0, line.find('#'));
+    line = without_comment(line);
     ScriptCommand command{number, std::string(take_word(line)), {}};
     if (command.name.empty()) continue;
     for (auto word = take_word(line); !word.empty(); word = take_word(line)) command.words.emplace_back(word);

@@ -18,8 +18,8 @@ struct ScriptCommand {
   double number(std::size_t i) const;  ///< words[i], which is one
 };
 
-/// Commands one to a line; empty lines and what follows a # say nothing. Throws UsageError, which names the
-/// line, for a command that there is not, or words that it does not take.
+/// Commands one to a line; empty lines and what follows a # that begins a word say nothing. Throws
+/// UsageError, which names the line, for a command that there is not, or words that it does not take.
 std::vector<ScriptCommand> parse_script(const std::string& text);
 
 /// parse_script() of a file. Throws UsageError where it cannot be read.

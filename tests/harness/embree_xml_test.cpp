@@ -256,7 +256,9 @@ TEST_F(EmbreeXmlTest, MaterialsAreKnownByTheirIds) {
   expect_at(scene.meshes[0].material.color, 1, 0, 0);
   expect_at(scene.meshes[2].material.color, 0, 1, 0);
   expect_at(scene.meshes[3].material.color, 0.7f, 0.7f, 0.7f);
-  EXPECT_EQ(warnings.size(), 2u);
+  EXPECT_EQ(warnings.size(), 1u);
+  EXPECT_TRUE(
+      warned_of(at("s.xml") + ": 2 materials are not defined, and read as diffuse grey: \"8\", \"9\""));
 }
 
 TEST_F(EmbreeXmlTest, Lights) {
@@ -341,7 +343,32 @@ TEST_F(EmbreeXmlTest, CommandListsMayNameObjFiles) {
   EXPECT_EQ(scene.camera.vertical_fov_degrees, 37);
   expect_at(scene.camera.position, 1, 2, 3);
   ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_TRUE(warned_of("The material \"none\" is not defined"));
+  EXPECT_TRUE(warned_of(at("w.obj") + ": 1 material is not defined, and read as diffuse grey: \"none\""));
+}
+
+TEST_F(EmbreeXmlTest, MaterialsThatAreMissingTakeOneLine) {
+  std::string meshes;
+  for (const std::string id : {"a", "b", "c", "d", "e", "f", "g", "a"}) {
+    meshes += "<TriangleMesh><material id=\"" + id +
+              "\"/><positions>0 0 0 1 0 0 0 1 0</positions><triangles>0 1 2</triangles></TriangleMesh>";
+  }
+  const Scene scene = load(meshes);
+  ASSERT_EQ(scene.meshes.size(), 8u);
+  EXPECT_EQ(scene.meshes[0].material.color.x, Material{}.color.x);
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0], at("s.xml") +
+                             ": 7 materials are not defined, and read as diffuse grey: "
+                             "\"a\", \"b\", \"c\", \"d\", \"e\" and 2 more");
+}
+
+TEST_F(EmbreeXmlTest, CommandListsWithCarriageReturnsAndHashesInNames) {
+  write_scene(triangle());
+  for (const int step : {1, 2})
+    write("w_" + std::to_string(step) + ".obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const Scene scene = load_file(write("l.ecs", "# first\r-i s.xml\r-i w_##.obj\r-fov 37 # -fov 50\r"));
+  ASSERT_EQ(scene.meshes.size(), 2u);
+  EXPECT_EQ(scene.meshes[1].steps.size(), 2u);
+  EXPECT_EQ(scene.camera.vertical_fov_degrees, 37);
 }
 
 TEST_F(EmbreeXmlTest, ByteOrderMarks) {
@@ -357,7 +384,7 @@ TEST_F(EmbreeXmlTest, ByteOrderMarks) {
 }
 
 TEST_F(EmbreeXmlTest, TrianglesThatAreNotFiniteAreLeftOutAndCounted) {
-  for (const char* const bad : {"nan", "+inf", "-1e39", "2e18"}) {
+  for (const char* const bad : {"nan", "+inf", "-1e39", "2e18", "1e400", "1.#INF", "-1.#IND", "-nan(ind)"}) {
     const std::string positions = std::string("0 0 0 1 0 0 0 1 0 1 1 ") + bad;
     const Scene scene = load("<TriangleMesh name=\"a\"><positions>" + positions +
                              "</positions><triangles>0 1 2 1 3 2</triangles></TriangleMesh>");

@@ -1,14 +1,18 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <thread>
 #include <utility>
 
 #include "harness/files/input_file.h"
+#include "harness/files/numbers.h"
+#include "harness/files/text.h"
 #include "plugin/files/output_file.h"
 #include "tests/harness/temporary_folder.h"
 
@@ -68,6 +72,68 @@ TEST_F(InputFiles, TextLosesItsByteOrderMark) {
     } catch (const InputFileError& e) {
       EXPECT_EQ(std::string(e.what()), std::string("is ") + encoding + " text, not UTF-8");
     }
+  }
+}
+
+TEST_F(InputFiles, TextHasNoBytesOfZero) {
+  using namespace std::string_view_literals;
+  for (const std::string_view text : {"v\0 \0"sv, "\0v\0 "sv, "text\0"sv}) {
+    try {
+      read_text_file(write("a", text), kMost);
+      ADD_FAILURE() << text;
+    } catch (const InputFileError& e) {
+      EXPECT_EQ(std::string_view(e.what()),
+                "has bytes of 0, as UTF-16 and binary files do: it is not UTF-8 text");
+    }
+  }
+}
+
+TEST(Text, LinesEndAsOnAllSystems) {
+  std::string_view rest = "a\nb\r\nc\r\rd\n\re\n";
+  for (const std::string_view line : {"a", "b", "c", "", "d", "", "e"}) {
+    EXPECT_FALSE(rest.empty());
+    EXPECT_EQ(take_line(rest), line);
+  }
+  EXPECT_EQ(rest, "");
+  EXPECT_EQ(take_line(rest), "");
+  rest = "no end";
+  EXPECT_EQ(take_line(rest), "no end");
+}
+
+TEST(Text, CommentsBeginAWord) {
+  EXPECT_EQ(without_comment("# all"), "");
+  EXPECT_EQ(without_comment("a b # c # d"), "a b ");
+  EXPECT_EQ(without_comment("a\t#c"), "a\t");
+  EXPECT_EQ(without_comment("1.#INF w_##.obj #c"), "1.#INF w_##.obj ");
+  EXPECT_EQ(without_comment("a#"), "a#");
+  EXPECT_EQ(without_comment(""), "");
+}
+
+TEST(Numbers, AreWholeWords) {
+  EXPECT_EQ(to_number<float>("+0.5"), 0.5f);
+  EXPECT_EQ(to_number<float>("-1.e1"), -10.0f);
+  EXPECT_EQ(to_number<float>("1e-46"), 0.0f);
+  EXPECT_EQ(to_number<float>("1e-999"), 0.0f);
+  EXPECT_EQ(to_number<int>("+7"), 7);
+  for (const char* const word :
+       {"", "+", "-", "+-1", "-+1", "++1", "1,5", "1x", "1e400x", "0x1", "1.#", "1.#x", "2.#INF"})
+    EXPECT_FALSE(to_number<float>(word)) << word;
+  for (const char* const word : {"1.5", "99999999999999999999", "1.#INF", "nan"})
+    EXPECT_FALSE(to_number<int>(word)) << word;
+}
+
+TEST(Numbers, MayBeInfiniteOrNone) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  for (const std::string word : {"inf", "Infinity", "1e39", "1e999", "1.#INF", "1.#INF00", "1.#INF00e+000"}) {
+    EXPECT_EQ(to_number<float>(word), kInfinity) << word;
+    EXPECT_EQ(to_number<float>("+" + word), kInfinity) << word;
+    EXPECT_EQ(to_number<float>("-" + word), -kInfinity) << word;
+  }
+  for (const char* const word :
+       {"nan", "-NaN", "-nan(ind)", "nan(snan)", "-1.#IND", "1.#QNAN", "1.#SNAN0", "-1.#IND00", "1.#J"}) {
+    const auto value = to_number<float>(word);
+    ASSERT_TRUE(value) << word;
+    EXPECT_TRUE(std::isnan(*value)) << word;
   }
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "harness/scenes/moving_triangle.h"
+#include "harness/scenes/obj/mtl_file.h"
 #include "harness/scenes/obj/obj.h"
 #include "harness/scenes/obj/obj_file.h"
 #include "harness/scenes/obj/obj_sequence.h"
@@ -21,6 +22,7 @@ namespace stbvh::harness {
 namespace {
 
 using Indices = std::vector<std::uint32_t>;
+using Sentences = std::vector<std::string>;
 
 constexpr std::string_view kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
 
@@ -84,15 +86,23 @@ TEST_F(ObjTest, BrokenLinesAreRefusedWithTheirNumber) {
       {good + "f 1 2 3.5\n", "\"3.5\" is not a corner"},
       {good + "f 1 2 3/x\n", "\"3/x\" is not a corner"},
       {good + "f 1 2 /3\n", "\"/3\" is not a corner"},
+      {good + "f 1///// 2 3\n", "\"1/////\" is not a corner"},
+      {good + "f 1/- 2 3\n", "\"1/-\" is not a corner"},
+      {good + "f 1/1/1/1 2 3\n", "\"1/1/1/1\" is not a corner"},
+      {good + "f 1/1.5 2 3\n", "\"1/1.5\" is not a corner"},
+      {good + "v +-1 0 0\n", "\"+-1\" is not a number"},
+      {good + "v 0 0 1#z\n", "\"1#z\" is not a number"},
       {good + "f 1 2 99999999999999999999\n", "is not a corner"},
       {good + "f 1 2 9999999999\n", "there is no vertex 9999999999"},
       {good + "f 1 2 -4\n", "vertex -4 is meant, but there are only 3 so far"},
       {good + "f 1 \\\n2 \\\n4\nf 1 2 3\n", "line 5: vertex 4 is meant, but there are only 3"},
       {"f 1 1 1\n", "line 1: vertex 1 is meant, but there are only 0"},
       {"v 0 0 0\n", "it has no faces"},
+      {"v 0 0 0\nl 1 1\np 1\nl 1 1 1\n", "it has no faces, only 2 \"l\", 1 \"p\""},
       {"", "it has no faces"},
       {"\\", "it has no faces"},
-      {std::string("\0\x01\xFF\\\n\\", 6), "it has no faces"}};
+      {std::string("\x01\xFF\\\n\\"), "it has no faces"},
+      {good + '\0', "it has bytes of 0, as UTF-16 and binary files do: it is not UTF-8 text"}};
   for (const auto& [text, because] : cases) {
     const std::string said = refusal([&] { parse(text); });
     EXPECT_NE(said.find(because), std::string::npos) << "said: " << said << "\nshould say: " << because;
@@ -101,6 +111,28 @@ TEST_F(ObjTest, BrokenLinesAreRefusedWithTheirNumber) {
   EXPECT_NE(refusal([&] { read_obj_file(folder); }).find("not a regular file"), std::string::npos);
   EXPECT_NE(refusal([&] { read_obj_file(folder / "none.obj"); }).find("it does not exist"),
             std::string::npos);
+}
+
+TEST_F(ObjTest, LinesMayEndInCarriageReturns) {
+  std::string text = "# a comment\nv 0 0 0\nv 1 0 0 # another\nv 0 1 \\\n2\nf 1 2 3\n";
+  std::replace(text.begin(), text.end(), '\n', '\r');
+  const ObjFile file = parse(text);
+  ASSERT_EQ(file.positions.size(), 3u);
+  EXPECT_EQ(file.positions[2].z, 2);
+  EXPECT_EQ(file.corners, (Indices{0, 1, 2}));
+  const auto said = refusal([&] { parse(text + "f 1 2 x\r"); });
+  EXPECT_EQ(said, at("file.obj") + ": line 7: \"x\" is not a corner of a face");
+}
+
+TEST_F(ObjTest, NamesKeepTheirHashes) {
+  const ObjFile file = parse(
+      "mtllib Library #1.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl Material #25 \t\r\nf 1 2 3 # a face\n"
+      "usemtl\tM#26\nf 1 2 3\nusemtl  a \\\n #b\nf 1 2 3\n");
+  ASSERT_EQ(file.material_runs.size(), 3u);
+  EXPECT_EQ(file.material_runs[0].name, "Material #25");
+  EXPECT_EQ(file.material_runs[1].name, "M#26");
+  EXPECT_EQ(file.material_runs[2].name, "a   #b");
+  EXPECT_EQ(file.material_libraries, std::vector<std::string>{"Library #1.mtl"});
 }
 
 TEST_F(ObjTest, TruncatedFilesNeverCrash) {
@@ -175,6 +207,28 @@ TEST_F(ObjTest, SequencesOnTwos) {
   expect_refused(at("w%d.obj"), "w2.obj: its number is only 1 more than that of w1.obj, not 2", 2);
 }
 
+TEST_F(ObjTest, PatternsMayHaveSignsThatAreNoNumber) {
+  for (const int number : {1, 2}) {
+    for (const char* const before : {"a/50%_", "b/a#1_", "c/$Fx", "d/100%d_", "e/#", "e/50%%_"})
+      write_step(before + std::to_string(number) + ".obj", number);
+  }
+  for (const auto& [pattern, name] :
+       {std::pair{"a/50%_%d.obj", "50%"}, std::pair{"a/50%%_%03d.obj", "50%"},
+        std::pair{"a/50%_#.obj", "50%"}, std::pair{"a/50%%_$F4.obj", "50%"}, std::pair{"b/a#1_%d.obj", "a#1"},
+        std::pair{"c/$Fx%d.obj", "$Fx"}, std::pair{"d/100%%d_%d.obj", "100%d"}, std::pair{"e/#%d.obj", "#"},
+        std::pair{"e/50%%%%_%d.obj", "50%%"}}) {
+    const Scene scene = load_obj(at(pattern));
+    EXPECT_EQ(heights(scene), (std::vector<float>{1, 2})) << pattern;
+    EXPECT_EQ(scene.name, name) << pattern;
+  }
+  for (const char* const name : {"w_%d.obj", "a#1.obj", "50%%.obj"}) {  // of files that are there
+    write_step(std::string("literal/") + name, 5);
+    const Scene scene = load_obj(at(std::string("literal/") + name));
+    EXPECT_EQ(heights(scene), (std::vector<float>{5})) << name;
+    EXPECT_EQ(scene.name + ".obj", name);
+  }
+}
+
 TEST_F(ObjTest, NothingIsLeftOutSilently) {
   write_step("hidden/w1.obj", 1);
   write_step("hidden/w2.obj", 2);
@@ -185,6 +239,10 @@ TEST_F(ObjTest, NothingIsLeftOutSilently) {
   EXPECT_EQ(heights(scene), (std::vector<float>{1, 2}));
   EXPECT_EQ(said, std::vector<std::string>{at("hidden") + ": hidden files are left out: ._w1.obj, .w3.obj"});
   expect_refused(at("hidden/.w1.obj"), "no such file");
+  write_step("all_hidden/.w1.obj", 1);
+  write_step("all_hidden/._w2.obj", 1);
+  expect_refused(at("all_hidden"),
+                 "the folder has no .obj files but hidden ones, which are left out: ._w2.obj, .w1.obj");
   write_step("case/w1.obj", 1);
   write_step("case/w2.OBJ", 2);
   EXPECT_EQ(heights(load_obj(at("case/w%d.obj"))), (std::vector<float>{1, 2}));
@@ -223,7 +281,8 @@ TEST_F(ObjTest, SequencesThatAreNoneAreRefused) {
   expect_refused(at("gap/v%d.obj"), "there is no such file");
   expect_refused(at("none/w%d.obj"), "the folder cannot be read");
   expect_refused(at("none.obj"), "there is no such file");
-  for (const char* name : {"w%s.obj", "w%d_%d.obj", "w%.obj", "w%99999d.obj", "100%.obj"})
+  for (const char* name : {"w%s.obj", "w%d_%d.obj", "w%d_%d#.obj", "w#_$F.obj", "w%%d.obj", "w%.obj",
+                           "w%99999d.obj", "100%.obj"})
     expect_refused(at(name), "one number in its name");
 }
 
@@ -265,7 +324,8 @@ class ObjScene : public ObjTest {
 };
 
 TEST_F(ObjScene, TrianglesThatAreNotFiniteAreLeftOutAndCounted) {
-  for (const char* const bad : {"nan", "-inf", "1e39", "-1e999", "2e18"}) {
+  for (const char* const bad :
+       {"nan", "-inf", "1e39", "-1e999", "2e18", "1.#INF", "-1.#IND", "1.#QNAN", "-nan(ind)"}) {
     const Scene scene = load("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 " + std::string(bad) + "\nf 1 2 3\nf 2 4 3\n");
     ASSERT_EQ(scene.meshes.size(), 1u) << bad;
     EXPECT_EQ(scene.meshes[0].indices, (Indices{0, 1, 2})) << bad;
@@ -344,12 +404,89 @@ TEST_F(ObjScene, MaterialsOfLibraries) {
   EXPECT_EQ(said.size(), 3u);  // textures, opaque, not defined
   const Scene plain = load("mtllib none.mtl\n" + vertices + "usemtl red\nf 1 2 3\n");
   EXPECT_EQ(plain.meshes[0].steps[0].size(), 4u);
-  ASSERT_EQ(said.size(), 1u);
-  EXPECT_EQ(said[0], at("none.mtl") + ": it does not exist; its materials are read as diffuse grey");
-  write("none.mtl", "newmtl red\nKd 1 x 0\n");
-  load("mtllib none.mtl\n" + vertices + "usemtl red\nf 1 2 3\n");
-  ASSERT_EQ(said.size(), 1u);
-  EXPECT_NE(said[0].find("none.mtl: line 2: \"x\" is not a number;"), std::string::npos) << said[0];
+  EXPECT_EQ(said, Sentences{at("file.obj") + ": materials of 1 library are read as diffuse grey: " +
+                            at("none.mtl") + ": it does not exist"});
+}
+
+TEST_F(ObjScene, LibrariesWithHashesInNames) {
+  const auto text = "newmtl Material #25\rKd 1 0 0\rnewmtl Material #26\rKd 0 1 0\r";
+  write("Lib #1.mtl", text);
+  write("my lib.mtl", text);
+  for (const char* const library : {"Lib #1.mtl", "my lib.mtl # a comment"}) {
+    const Scene scene = load("mtllib " + std::string(library) +
+                             "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl Material #25\nf 1 2 3\n"
+                             "usemtl Material #26\nf 1 3 2\n");
+    ASSERT_EQ(scene.meshes.size(), 2u);
+    EXPECT_EQ(scene.meshes[0].material.color.x, 1);
+    EXPECT_EQ(scene.meshes[1].material.color.y, 1);
+    EXPECT_EQ(said, Sentences{});
+  }
+}
+
+TEST_F(ObjScene, OddValuesCostOnlyThemselves) {
+  const std::string faces = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 3 2\n";
+  const auto load_with = [&](const std::string& line) {
+    write("m.mtl", "newmtl a\nKd 1 0.5 0.25\n" + line + "\nnewmtl b\nKd 0 1 0\n");
+    Scene scene = load(faces);
+    EXPECT_EQ(scene.meshes.at(0).material.color.y, 0.5f) << line;
+    EXPECT_EQ(scene.meshes.at(1).material.color.y, 1) << line;
+    return scene.meshes[0].material;
+  };
+  for (const char* const line : {"d -halo 1", "d 1", "Tr 0", "Ke 1e-46 0 0", "Ks 1e-999", "illum 3"}) {
+    EXPECT_EQ(load_with(line).kind, Material::Kind::kDiffuse) << line;
+    EXPECT_EQ(said, Sentences{}) << line;
+  }
+  EXPECT_EQ(load_with("Ks +0.5 +.5 0.5").kind, Material::Kind::kGlossy);
+  EXPECT_EQ(said, Sentences{});
+  for (const char* const line : {"d -halo 0.66", "d 0", "Tr 0.1"}) {
+    load_with(line);
+    EXPECT_EQ(said, Sentences{kReadAsOpaque}) << line;
+  }
+  for (const char* const line :
+       {"map_Kd x.png", "map_Bump x", "bump x.png", "disp x.png", "decal a.png", "refl r", "norm n.png"}) {
+    load_with(line);
+    EXPECT_EQ(said, Sentences{kTexturesLeftOut}) << line;
+  }
+  for (const char* const line :
+       {"Kd spectral f.rfl 1", "Kd xyz 0.3 0.3 0.3", "Kd nan", "Kd 1 0.5 1.#INF", "Kd 1 x 0", "Kd 1 0",
+        "Kd 0,5", "Ke -nan(ind)", "Ns 1e400", "Ns", "d", "d -halo", "Tr"}) {
+    EXPECT_EQ(load_with(line).emission.x, 0);
+    EXPECT_EQ(said,
+              Sentences{at("m.mtl") + ": left out, as they are not finite numbers, or no RGB: 1 value: \"" +
+                        line + "\" in line 3"});
+  }
+  load_with("d\nNs x\nTr\n\nd\nd\nd\nd");
+  EXPECT_EQ(said,
+            Sentences{at("m.mtl") + ": left out, as they are not finite numbers, or no RGB: 7 values: "
+                                    "\"d\" in line 3, \"Ns x\" in line 4, \"Tr\" in line 5, \"d\" in line 7, "
+                                    "\"d\" in line 8 and 2 more"});
+}
+
+TEST_F(ObjScene, ShapesThatAreNoFacesAreCounted) {
+  const Scene scene = load(std::string(kTriangle) +
+                           "l 1 2\np 1\ndeg 3\ncstype bezier\nsurf 0 1 0 1 1 2 3 1\nend\nbzp 1 2 3\n"
+                           "call other.obj\nfo 1 3 2\nl 2 3\n");
+  EXPECT_EQ(scene.meshes.at(0).indices, (Indices{0, 1, 2, 0, 2, 1}));
+  EXPECT_EQ(said, Sentences{at("file.obj") + ": left out, as only faces are read: 1 \"bzp\", 1 \"call\", "
+                                             "2 \"l\", 1 \"p\", 1 \"surf\""});
+}
+
+TEST_F(ObjScene, WhatIsMissingTakesOneLine) {
+  write("m.mtl", "newmtl a\nd\n");
+  std::string text = "mtllib m.mtl\nmtllib m1.mtl m.mtl m1.mtl\n";  // each is read once
+  for (const char c : std::string_view("123456")) text += std::string("mtllib m") + c + ".mtl\n";
+  text += "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+  for (const char c : std::string_view("1234567")) text += std::string("usemtl c") + c + "\nf 1 2 3\n";
+  EXPECT_EQ(load(text).meshes.size(), 7u);
+  ASSERT_EQ(said.size(), 3u);
+  EXPECT_TRUE(said[0].starts_with(at("m.mtl") + ": left out")) << said[0];
+  EXPECT_TRUE(said[1].starts_with(at("file.obj") + ": materials of 6 libraries are read as diffuse grey: " +
+                                  at("m1.mtl") + ": it does not exist, "))
+      << said[1];
+  EXPECT_TRUE(said[1].ends_with(at("m5.mtl") + ": it does not exist and 1 more")) << said[1];
+  EXPECT_EQ(said[2], at("file.obj") +
+                         ": 7 materials are not defined, and read as diffuse grey: "
+                         "\"c1\", \"c2\", \"c3\", \"c4\", \"c5\" and 2 more");
 }
 
 TEST_F(ObjTest, StepsWithOtherTopologyAreRefused) {

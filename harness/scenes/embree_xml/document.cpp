@@ -5,9 +5,9 @@
 #include <cstring>
 #include <system_error>
 
+#include "harness/files/numbers.h"
 #include "harness/files/text.h"
 #include "harness/scenes/cancellation.h"
-#include "harness/scenes/embree_xml/numbers.h"
 #include "harness/scenes/embree_xml/problem.h"
 #include "harness/scenes/scene_file.h"
 
@@ -20,7 +20,7 @@ constexpr std::size_t kNumbersBetweenChecks = 4096;  // for cancellation
 
 std::uint64_t count_attribute(pugi::xml_node node, const char* name) {
   const std::string_view text = node.attribute(name).value();
-  const auto count = parse_number<std::uint64_t>(text);
+  const auto count = to_number<std::uint64_t>(text);
   if (!count) fail(node, "the {} of its <{}> is \"{}\", not a number", name, node.name(), text);
   return *count;
 }
@@ -46,7 +46,7 @@ std::vector<float> float_attribute(pugi::xml_node node, const char* name, std::s
   std::string_view rest = text;
   std::vector<float> values;
   for (auto word = take_word(rest); !word.empty(); word = take_word(rest)) {
-    const auto value = parse_number<float>(word);
+    const auto value = to_number<float>(word);
     values.push_back(value.value_or(std::nanf("")));
   }
   const bool all_finite = std::all_of(values.begin(), values.end(), [](float v) { return std::isfinite(v); });
@@ -132,7 +132,7 @@ std::vector<T> Document::numbers(pugi::xml_node array, std::size_t per_element) 
     if (child.type() != pugi::node_pcdata && child.type() != pugi::node_cdata) continue;
     std::string_view rest = child.value();
     for (auto word = take_word(rest); !word.empty(); word = take_word(rest)) {
-      const auto value = parse_number<T>(word);
+      const auto value = to_number<T>(word);
       if (!value) fail(array, "its <{}> has \"{}\" among its numbers", array.name(), word.substr(0, 40));
       values.push_back(*value);
       if (values.size() % kNumbersBetweenChecks == 0) check_cancelled();

@@ -5,9 +5,9 @@
 #include <deque>
 
 #include "harness/files/input_file.h"
+#include "harness/files/numbers.h"
 #include "harness/files/text.h"
 #include "harness/scenes/embree_xml/disc_light.h"
-#include "harness/scenes/embree_xml/numbers.h"
 #include "harness/scenes/reach.h"
 
 namespace stbvh::harness::embree_xml {
@@ -18,7 +18,7 @@ std::deque<std::string> words_of(const std::filesystem::path& file) {
   std::deque<std::string> words;
   for (std::string_view rest = text; !rest.empty();) {
     std::string_view line = take_line(rest);
-    line = line.substr(0, line.find('#'));
+    line = without_comment(line);
     for (auto word = take_word(line); !word.empty(); word = take_word(line)) words.emplace_back(word);
   }
   return words;
@@ -26,7 +26,7 @@ std::deque<std::string> words_of(const std::filesystem::path& file) {
 
 /// Whether a word begins with a dash and is no number.
 bool is_option(const std::string& word) {
-  return word.size() > 1 && word.front() == '-' && !parse_number<float>(word);
+  return word.size() > 1 && word.front() == '-' && !to_number<float>(word);
 }
 
 class Parser {
@@ -103,7 +103,7 @@ class Parser {
   }
 
   float number(const std::string& option) {
-    const auto value = parse_number<float>(text(option));
+    const auto value = to_number<float>(text(option));
     if (!value || !std::isfinite(*value)) throw Problem(fmt::format("-{} lacks a number", option));
     return *value;
   }

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
+#include "harness/files/numbers.h"
 #include "harness/files/text.h"
 #include "harness/scenes/embree_xml/document.h"
-#include "harness/scenes/embree_xml/numbers.h"
 #include "harness/scenes/obj/mtl_file.h"
 
 namespace stbvh::harness::embree_xml {
@@ -27,7 +27,7 @@ class Parameters {
       std::vector<float>& values = values_[entry.attribute("name").value()];
       values.clear();
       for (auto word = take_word(rest); !word.empty(); word = take_word(rest)) {
-        const auto value = parse_number<float>(word);
+        const auto value = to_number<float>(word);
         if (!value || !std::isfinite(*value))
           fail(entry, "the material parameter \"{}\" is not a number", entry.attribute("name").value());
         values.push_back(*value);
@@ -107,7 +107,7 @@ Material MaterialReader::read(pugi::xml_node material) {
   std::string kind = text_of(material.child("code"));
   std::erase_if(kind, [](unsigned char c) { return c == '"' || std::isspace(c); });
   if (!element && kind.empty()) {
-    warn_(fmt::format("The material \"{}\" is not defined and read as diffuse grey.", id));
+    if (undefined_ids_.insert(id).second) undefined_.add(fmt::format("\"{}\"", id));
     return {};
   }
   const Parameters parameters(element, warn_);
@@ -117,6 +117,10 @@ Material MaterialReader::read(pugi::xml_node material) {
   result.emission = {std::max(emission.x, 0.0f), std::max(emission.y, 0.0f), std::max(emission.z, 0.0f)};
   if (!id.empty()) by_id_[id] = result;
   return result;
+}
+
+void MaterialReader::tell_undefined(const std::filesystem::path& file) const {
+  warn_of_undefined(undefined_, file, warn_);
 }
 
 void MaterialReader::define(const std::string& id, pugi::xml_node material) {

@@ -1,11 +1,14 @@
 /// Materials of Embree XML files.
 #pragma once
 
+#include <filesystem>
 #include <map>
 #include <pugixml.hpp>
+#include <set>
 #include <string>
 
 #include "harness/scenes/embree_xml/problem.h"
+#include "harness/scenes/name_list.h"
 #include "harness/scenes/scene.h"
 
 namespace stbvh::harness::embree_xml {
@@ -21,10 +24,14 @@ class MaterialReader {
   Material read(pugi::xml_node material);
   /// `read`, known by `id` from now on.
   void define(const std::string& id, pugi::xml_node material);
+  /// Warns of the ids that were read, but stand for no material.
+  void tell_undefined(const std::filesystem::path& file) const;
 
  private:
   const Warn& warn_;
   std::map<std::string, Material> by_id_;
+  std::set<std::string> undefined_ids_;
+  NameList undefined_;  ///< these
 };
 
 }  // namespace stbvh::harness::embree_xml

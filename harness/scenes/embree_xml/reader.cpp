@@ -32,6 +32,7 @@ class Reader {
         list += fmt::format("{}{} <{}>", list.empty() ? "" : ", ", count, name);
       warn_(fmt::format("{}: left out, as it cannot be shown: {}.", file_.string(), list));
     }
+    materials_.tell_undefined(file_);
     return scene;
   }
 

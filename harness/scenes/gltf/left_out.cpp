@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <set>
 #include <string>
 
 #include "harness/scenes/gltf/extensions.h"
 #include "harness/scenes/gltf/primitive.h"
+#include "harness/scenes/name_list.h"
 
 namespace stbvh::harness::gltf {
 namespace {
@@ -18,26 +18,18 @@ std::string plural(std::size_t count, const std::string& one, const std::string&
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
-/// The first of `names`, and how many more there are.
-std::string listed(const std::vector<std::string>& names) {
-  const std::size_t named = std::min(names.size(), kMostNamed);
-  std::string list =
-      fmt::format("{}", fmt::join(names.begin(), names.begin() + static_cast<long>(named), ", "));
-  if (names.size() > named) list += fmt::format(" and {} more", names.size() - named);
-  return list;
-}
-
 void warn_of_extensions(const Model& model, const SceneWarning& warn) {
-  const std::vector<std::string> unread = unread_extensions(model.extensions);
-  if (!unread.empty()) warn(fmt::format("left out: what these extensions say: {}", listed(unread)));
+  NameList unread(kMostNamed);
+  for (const std::string& name : unread_extensions(model.extensions)) unread.add(name);
+  if (unread.count() > 0) warn(fmt::format("left out: what these extensions say: {}", unread.text()));
 }
 
 void warn_of_animation(const ClipSource* clip, const SceneWarning& warn) {
   if (clip == nullptr || clip->left_out.empty()) return;
-  std::vector<std::string> kinds;
+  NameList kinds(kMostNamed);
   for (const auto& [kind, count] : clip->left_out)
-    kinds.push_back(fmt::format("{} of {}", count, kind.empty() ? "nothing" : kind.substr(0, 80)));
-  warn(fmt::format("left out: channels of the animation that move what is not read: {}", listed(kinds)));
+    kinds.add(fmt::format("{} of {}", count, kind.empty() ? "nothing" : kind.substr(0, 80)));
+  warn(fmt::format("left out: channels of the animation that move what is not read: {}", kinds.text()));
 }
 
 /// The primitives that nodes of the scene show, each once.

@@ -3,12 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <string_view>
 
 #include "harness/files/input_file.h"
+#include "harness/files/numbers.h"
 #include "harness/scenes/cancellation.h"
 #include "harness/scenes/obj/obj_lines.h"
 
@@ -35,30 +36,60 @@ class MtlParser {
       : file_(file), lines_(text), warn_(warn) {}
 
   std::map<std::string, Material> run() {
-    std::string_view line;
-    while (lines_.next(line)) {
+    std::string_view keyword, arguments;
+    while (lines_.next(keyword, arguments)) {
       check_cancelled();
-      const std::string_view keyword = take_word(line);
       if (keyword == "newmtl") {
         finish();
-        name_ = without_leading_blanks(line);
-      } else {
-        read(keyword, line);
+        name_ = arguments;
+      } else if (!read(keyword, arguments)) {
+        const std::string line = fmt::format("{} {}", keyword, arguments.substr(0, kMostShown));
+        bad_lines_.add(fmt::format("\"{}\" in line {}", without_trailing_blanks(line), lines_.number()));
       }
     }
     finish();
+    if (bad_lines_.count() > 0) {
+      warn(fmt::format("{}: left out, as they are not finite numbers, or no RGB: {} value{}: {}",
+                       file_.string(), bad_lines_.count(), bad_lines_.count() == 1 ? "" : "s",
+                       bad_lines_.text()));
+    }
     return std::move(materials_);
   }
 
  private:
-  void read(std::string_view keyword, std::string_view line) {
-    if (keyword == "Kd") diffuse_ = color(line);
-    if (keyword == "Ks") specular_ = color(line);
-    if (keyword == "Ke") emission_ = color(line);
-    if (keyword == "Ns") exponent_ = number(take_word(line));
-    if (keyword == "d" && number(take_word(line)) < 1) warn(kReadAsOpaque);
-    if (keyword == "Tr" && number(take_word(line)) > 0) warn(kReadAsOpaque);
-    if (keyword.starts_with("map_")) warn(kTexturesLeftOut);
+  static constexpr std::size_t kMostShown = 80;  // characters of a line
+
+  /// False where no value is read from a line that has one.
+  bool read(std::string_view keyword, std::string_view arguments) {
+    if (keyword == "Kd") return read_color(arguments, diffuse_);
+    if (keyword == "Ks") return read_color(arguments, specular_);
+    if (keyword == "Ke") return read_color(arguments, emission_);
+    if (keyword == "Ns") return read_number(take_word(arguments), exponent_);
+    if (keyword == "d") return read_opacity(arguments);
+    if (keyword == "Tr") return read_transparency(arguments);
+    if (keyword.starts_with("map_") || is_texture(keyword)) warn(kTexturesLeftOut);
+    return true;
+  }
+
+  static bool is_texture(std::string_view keyword) {
+    static constexpr std::array<std::string_view, 5> kTextures{"bump", "disp", "decal", "refl", "norm"};
+    return std::find(kTextures.begin(), kTextures.end(), keyword) != kTextures.end();
+  }
+
+  bool read_opacity(std::string_view arguments) const {
+    std::string_view word = take_word(arguments);
+    if (word == "-halo") word = take_word(arguments);  // more opaque towards the outline
+    float opacity = 1;
+    if (!read_number(word, opacity)) return false;
+    if (opacity < 1) warn(kReadAsOpaque);
+    return true;
+  }
+
+  bool read_transparency(std::string_view arguments) const {
+    float transparency = 0;
+    if (!read_number(take_word(arguments), transparency)) return false;
+    if (transparency > 0) warn(kReadAsOpaque);
+    return true;
   }
 
   void finish() {
@@ -74,28 +105,25 @@ class MtlParser {
   }
 
   /// One number stands for all three.
-  Vec3f color(std::string_view line) const {
+  static bool read_color(std::string_view arguments, Vec3f& color) {
     Vec3f c;
-    c.x = number(take_word(line));
-    const std::string_view second = take_word(line);
-    if (second.empty()) return {c.x, c.x, c.x};
-    c.y = number(second);
-    c.z = number(take_word(line));
-    return c;
+    if (!read_number(take_word(arguments), c.x)) return false;
+    c.y = c.z = c.x;
+    const std::string_view second = take_word(arguments);
+    if (!second.empty() && !(read_number(second, c.y) && read_number(take_word(arguments), c.z)))
+      return false;
+    color = c;
+    return true;
   }
 
-  float number(std::string_view word) const {
-    float value = 0;
-    const char* const last = word.data() + word.size();
-    const auto [end, error] = std::from_chars(word.data(), last, value);
-    if (word.empty() || error != std::errc() || end != last || !std::isfinite(value)) {
-      throw SceneFileError(
-          fmt::format("{}: line {}: \"{}\" is not a number", file_.string(), lines_.number(), word));
-    }
-    return value;
+  static bool read_number(std::string_view word, float& number) {
+    const auto value = to_number<float>(word);
+    if (!value || !std::isfinite(*value)) return false;
+    number = *value;
+    return true;
   }
 
-  void warn(const char* sentence) const {
+  void warn(const std::string& sentence) const {
     if (warn_) warn_(sentence);
   }
 
@@ -106,6 +134,7 @@ class MtlParser {
   std::optional<std::string> name_;
   Vec3f diffuse_{Material{}.color}, specular_{kBlack}, emission_{kBlack};
   float exponent_ = kDefaultExponent;
+  NameList bad_lines_;
 };
 
 }  // namespace
@@ -124,6 +153,13 @@ Material obj_material(Vec3f diffuse, Vec3f specular, float exponent) {
   material.index_of_refraction = index_reflecting(largest);
   material.roughness = roughness_of(exponent);
   return material;
+}
+
+void warn_of_undefined(const NameList& materials, const std::filesystem::path& file,
+                       const SceneWarning& warn) {
+  if (materials.count() == 0) return;
+  warn(fmt::format("{}: {} material{} not defined, and read as diffuse grey: {}", file.string(),
+                   materials.count(), materials.count() == 1 ? " is" : "s are", materials.text()));
 }
 
 std::map<std::string, Material> read_mtl_file(const std::filesystem::path& file, const SceneWarning& warn) {

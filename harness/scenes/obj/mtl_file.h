@@ -5,6 +5,7 @@
 #include <map>
 #include <string>
 
+#include "harness/scenes/name_list.h"
 #include "harness/scenes/scene.h"
 #include "harness/scenes/scene_file.h"
 
@@ -21,8 +22,13 @@ inline constexpr const char* kTexturesLeftOut =
     "Textures are left out: materials have the same color everywhere.";
 inline constexpr const char* kReadAsOpaque = "OBJ materials with d below 1 are read as opaque.";
 
-/// The materials of a library (.mtl) by name: Kd, Ks, Ns and Ke. Tells `warn` what else it would show. Throws
-/// SceneFileError for a file that cannot be read and for numbers that are none.
+/// Tells `warn` of materials that `file` names, but does not define, if there are any.
+void warn_of_undefined(const NameList& materials, const std::filesystem::path& file,
+                       const SceneWarning& warn);
+
+/// The materials of a library (.mtl) by name: Kd, Ks, Ns and Ke. Tells `warn` what else it would show, and
+/// which values are left out, as they are no finite numbers. Throws SceneFileError for a file that cannot be
+/// read.
 std::map<std::string, Material> read_mtl_file(const std::filesystem::path& file, const SceneWarning& warn);
 
 }  // namespace stbvh::harness

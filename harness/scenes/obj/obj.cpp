@@ -13,12 +13,13 @@
 #include <utility>
 #include <vector>
 
+#include "harness/files/text.h"
 #include "harness/scenes/cancellation.h"
 #include "harness/scenes/finite_check.h"
 #include "harness/scenes/gltf/framing.h"
+#include "harness/scenes/name_list.h"
 #include "harness/scenes/obj/mtl_file.h"
 #include "harness/scenes/obj/obj_file.h"
-#include "harness/scenes/obj/obj_lines.h"
 #include "harness/scenes/obj/obj_sequence.h"
 #include "harness/scenes/obj/polygon_cutter.h"
 
@@ -125,34 +126,45 @@ void number_vertices(std::vector<Part>& parts, std::size_t vertex_count) {
 /// Each file that a library names may have blanks in its name, or stand beside others.
 std::vector<fs::path> library_files(const fs::path& folder, const std::string& named) {
   std::error_code ignored;
-  if (fs::exists(folder / named, ignored)) return {folder / named};
-  std::vector<fs::path> files;
   std::string_view rest = named;
+  for (const std::string_view name : {rest, without_trailing_blanks(without_comment(rest))}) {
+    if (fs::exists(folder / name, ignored)) return {folder / name};
+    rest = name;
+  }
+  std::vector<fs::path> files;
   for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest))
     files.push_back(folder / word);
   return files;
 }
 
-/// The materials of all libraries; one that cannot be read is told of, as its surfaces keep their shape.
-std::map<std::string, Material> read_materials(const ObjFile& file, const fs::path& folder,
+/// The materials of all libraries; those that cannot be read are told of, as their surfaces keep their shape.
+std::map<std::string, Material> read_materials(const ObjFile& file, const fs::path& path,
                                                const SceneWarning& warn) {
   std::map<std::string, Material> materials;
+  std::set<fs::path> known;
+  NameList problems;
   for (const std::string& library : file.material_libraries) {
-    for (const fs::path& path : library_files(folder, library)) {
+    for (const fs::path& library_path : library_files(path.parent_path(), library)) {
+      if (!known.insert(library_path).second) continue;
       try {
-        materials.merge(read_mtl_file(path, warn));
+        materials.merge(read_mtl_file(library_path, warn));
       } catch (const SceneFileError& problem) {
-        warn(fmt::format("{}; its materials are read as diffuse grey", problem.what()));
+        problems.add(problem.what());
       }
     }
+  }
+  if (problems.count() > 0) {
+    warn(fmt::format("{}: materials of {} librar{} are read as diffuse grey: {}", path.string(),
+                     problems.count(), problems.count() == 1 ? "y" : "ies", problems.text()));
   }
   return materials;
 }
 
 std::vector<Mesh> make_meshes(const std::vector<Part>& parts,
                               const std::map<std::string, Material>& materials, const std::string& otherwise,
-                              const SceneWarning& warn) {
+                              const fs::path& path, const SceneWarning& warn) {
   std::vector<Mesh> meshes;
+  NameList undefined;
   for (const Part& part : parts) {
     Mesh& mesh = meshes.emplace_back();
     mesh.name = part.material.empty() || parts.size() == 1 ? otherwise : part.material;
@@ -162,9 +174,10 @@ std::vector<Mesh> make_meshes(const std::vector<Part>& parts,
     if (known != materials.end()) {
       mesh.material = known->second;
     } else if (!materials.empty() && !part.material.empty()) {
-      warn(fmt::format("The material \"{}\" is not defined and read as diffuse grey.", part.material));
+      undefined.add(fmt::format("\"{}\"", part.material));
     }
   }
+  warn_of_undefined(undefined, path, warn);
   return meshes;
 }
 
@@ -202,14 +215,16 @@ Scene load(const std::string& name, const SceneWarning& warn, std::size_t number
   const ObjFile first = read_obj_file(files[0]);
   if (first.positions.size() * sizeof(Vec3f) * files.size() > kMaxSceneFileBytes)
     fail("{}: its vertices need more than {} GB", name, kMaxSceneFileBytes >> 30);
+  if (!first.left_out.empty())
+    warn(fmt::format("{}: left out, as only faces are read: {}", files[0].string(), first.left_out));
   Triangulation triangulation(first);
   triangulation.tell(files[0], warn);
   std::vector<Part> parts = triangulation.take();
   number_vertices(parts, first.positions.size());
   Scene scene;
   scene.name = obj_scene_name(name);
-  const auto materials = read_materials(first, files[0].parent_path(), warn);
-  scene.meshes = make_meshes(parts, materials, scene.name, warn);
+  const auto materials = read_materials(first, files[0], warn);
+  scene.meshes = make_meshes(parts, materials, scene.name, files[0], warn);
   add_step(parts, first.positions, scene.meshes);
   for (std::size_t i = 1; i < files.size(); ++i) {
     const ObjFile file = read_obj_file(files[i]);

@@ -2,15 +2,19 @@
 
 #include <fmt/format.h>
 
-#include <charconv>
-#include <cstdlib>
+#include <algorithm>
+#include <array>
+#include <iterator>
 #include <limits>
+#include <map>
 #include <string>
 #include <string_view>
 #include <utility>
 
 #include "harness/files/input_file.h"
+#include "harness/files/numbers.h"
 #include "harness/scenes/cancellation.h"
+#include "harness/scenes/name_list.h"
 #include "harness/scenes/obj/obj_lines.h"
 
 namespace stbvh::harness {
@@ -23,16 +27,22 @@ class Parser {
   Parser(const std::filesystem::path& file, std::string_view text) : file_(file), lines_(text) {}
 
   ObjFile run() {
-    std::string_view line;
-    while (lines_.next(line)) {
+    std::string_view keyword, arguments;
+    while (lines_.next(keyword, arguments)) {
       check_cancelled();
-      const std::string_view keyword = take_word(line);
-      if (keyword == "v") add_position(line);
-      if (keyword == "f") add_face(line);
-      if (keyword == "usemtl") use_material(line);
-      if (keyword == "mtllib") result_.material_libraries.emplace_back(without_leading_blanks(line));
+      if (keyword == "v") add_position(arguments);
+      if (keyword == "f" || keyword == "fo") add_face(arguments);
+      if (keyword == "usemtl") use_material(arguments);
+      if (keyword == "mtllib") result_.material_libraries.emplace_back(arguments);
+      if (is_other_geometry(keyword)) ++left_out_[std::string(keyword)];
     }
-    if (result_.face_sizes.empty()) throw SceneFileError(fmt::format("{}: it has no faces", file_.string()));
+    NameList left_out(left_out_.size());
+    for (const auto& [kind, count] : left_out_) left_out.add(fmt::format("{} \"{}\"", count, kind));
+    result_.left_out = left_out.text();
+    if (result_.face_sizes.empty()) {
+      throw SceneFileError(fmt::format("{}: it has no faces{}{}", file_.string(),
+                                       result_.left_out.empty() ? "" : ", only ", result_.left_out));
+    }
     if (needed_ > result_.positions.size()) {
       throw SceneFileError(fmt::format("{}: line {}: vertex {} is meant, but there are only {}",
                                        file_.string(), needed_line_, needed_, result_.positions.size()));
@@ -47,15 +57,18 @@ class Parser {
                                      fmt::format(text, std::forward<Args>(args)...)));
   }
 
-  /// A number beyond a float's range is infinite, as in C.
+  /// Shapes that are not read: of lines, points, free form, and other files. Free form's other keywords say
+  /// what these are.
+  static bool is_other_geometry(std::string_view keyword) {
+    static constexpr std::array<std::string_view, 10> kOthers{"l",   "p",   "curv", "surf", "bzp",
+                                                              "bsp", "cdc", "cdp",  "call", "csh"};
+    return std::find(kOthers.begin(), kOthers.end(), keyword) != kOthers.end();
+  }
+
   float read_number(std::string_view word) const {
-    double value = 0;
-    const std::string_view digits = word.substr(word.starts_with('+') ? 1 : 0);
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (end != digits.data() + digits.size() || error == std::errc::invalid_argument)
-      fail("\"{}\" is not a number", word);
-    if (error == std::errc::result_out_of_range) value = std::strtod(std::string(digits).c_str(), nullptr);
-    return static_cast<float>(value);
+    const auto value = to_number<float>(word);
+    if (!value) fail("\"{}\" is not a number", word);
+    return *value;
   }
 
   /// x y z, then maybe a weight, a color, or both.
@@ -71,14 +84,22 @@ class Parser {
     result_.positions.push_back({numbers[0], numbers[1], numbers[2]});
   }
 
+  /// Those of the texture and the normal, which are not read: whole numbers, or nothing.
+  static bool are_other_indices(std::string_view text) {
+    for (int i = 0; i < 2 && text.starts_with('/'); ++i) {
+      text.remove_prefix(1);
+      const std::string_view digits = text.substr(0, text.find('/'));
+      if (!digits.empty() && !to_number<std::int64_t>(digits)) return false;
+      text.remove_prefix(digits.size());
+    }
+    return text.empty();
+  }
+
   /// The vertex of v, v/vt, v//vn or v/vt/vn.
   std::uint32_t read_corner(std::string_view word) {
-    const std::string_view digits = word.substr(0, word.find('/'));
-    std::int64_t value = 0;
-    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    const bool is_whole = end == digits.data() + digits.size() && error == std::errc();
-    if (!is_whole || value == 0 || word.find_first_not_of("+-0123456789/") != std::string_view::npos)
-      fail("\"{}\" is not a corner of a face", word);
+    const std::size_t end = std::min(word.find('/'), word.size());
+    const std::int64_t value = to_number<std::int64_t>(word.substr(0, end)).value_or(0);
+    if (value == 0 || !are_other_indices(word.substr(end))) fail("\"{}\" is not a corner of a face", word);
     const auto count = static_cast<std::int64_t>(result_.positions.size());
     const std::int64_t index = value > 0 ? value - 1 : count + value;
     if (index < 0) fail("vertex {} is meant, but there are only {} so far", value, count);
@@ -99,14 +120,15 @@ class Parser {
     result_.face_sizes.push_back(count);
   }
 
-  void use_material(std::string_view line) {
-    result_.material_runs.push_back({result_.face_sizes.size(), std::string(without_leading_blanks(line))});
+  void use_material(std::string_view name) {
+    result_.material_runs.push_back({result_.face_sizes.size(), std::string(name)});
   }
 
   const std::filesystem::path& file_;
   ObjLines lines_;
   ObjFile result_;
-  std::size_t needed_ = 0, needed_line_ = 0;  ///< vertices, and the line that needs so many
+  std::map<std::string, std::size_t> left_out_;  ///< how many of each keyword
+  std::size_t needed_ = 0, needed_line_ = 0;     ///< vertices, and the line that needs so many
 };
 
 }  // namespace

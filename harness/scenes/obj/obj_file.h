@@ -24,11 +24,12 @@ struct ObjFile {
   };
   std::vector<MaterialRun> material_runs;
   std::vector<std::string> material_libraries;  ///< what stands behind each `mtllib`
+  std::string left_out;                         ///< how many shapes are no faces, by keyword
 };
 
-/// Reads `v`, `f`, `usemtl` and `mtllib` of a file, all objects and groups together; ignores everything else.
-/// A number may count from the vertices so far backwards, a line go on after a backslash. Throws
-/// SceneFileError, with the line.
+/// Reads `v`, `f` (once `fo`), `usemtl` and `mtllib` of a file, all objects and groups together; counts other
+/// shapes and ignores everything else. A number may count from the vertices so far backwards, a line go on
+/// after a backslash. Throws SceneFileError, with the line.
 ///
 /// Not by tinyobjloader, the reader that Debian has: it takes numbers that it cannot read for 0 without a
 /// word, and knows no continued lines.

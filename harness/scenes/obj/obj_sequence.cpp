@@ -15,6 +15,7 @@
 #include <system_error>
 #include <utility>
 
+#include "harness/scenes/name_list.h"
 #include "harness/scenes/scene.h"
 
 namespace stbvh::harness {
@@ -78,9 +79,29 @@ std::optional<NumberedFile> cut_at_number(const fs::path& path) {
   return NumberedFile{path, stem.substr(0, begin), stem.substr(end), *number};
 }
 
-const std::regex& number_pattern() {
-  static const std::regex pattern(R"(%[0-9]{0,3}d|#+|\$F[0-9]{0,3})");
-  return pattern;
+/// Where the numbers of a pattern stand: those as in printf, or where there are none, those in other forms. A
+/// % that is doubled, or begins no number, is only itself.
+std::vector<std::string_view> numbers_in(std::string_view name) {
+  static const std::regex kPrintf(R"(%%|%[0-9]{0,3}d)"), kOthers(R"(#+|\$F[0-9]{0,3})");
+  std::vector<std::string_view> numbers;
+  for (const std::regex* const form : {&kPrintf, &kOthers}) {
+    const char* const end = name.data() + name.size();
+    for (std::cregex_iterator match(name.data(), end, *form), last; match != last; ++match) {
+      if (match->str() != "%%")
+        numbers.push_back(name.substr(static_cast<std::size_t>(match->position()), match->str().size()));
+    }
+    if (!numbers.empty()) break;
+  }
+  return numbers;
+}
+
+std::string without_doubled_percents(std::string_view text) {
+  std::string single;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    single += text[i];
+    if (text.substr(i, 2) == "%%") ++i;
+  }
+  return single;
 }
 
 /// "walk_%04d.obj" as the text before and after the number. Its width does not matter: what is there in two
@@ -88,16 +109,13 @@ const std::regex& number_pattern() {
 struct Pattern {
   std::string before, after;
 
-  explicit Pattern(const std::string& name) {
-    std::smatch match;
-    const bool is_found = std::regex_search(name, match, number_pattern());
-    before = match.prefix();
-    after = match.suffix();
-    if (!is_found || (before + after).find('%') != std::string::npos ||
-        std::regex_search(after, number_pattern())) {
-      fail("{}: a sequence has one number in its name, as in walk_%04d.obj, walk_####.obj or walk_$F4.obj",
-           name);
-    }
+  /// Nothing where `name` has no number, or more than one.
+  static std::optional<Pattern> read(std::string_view name) {
+    const std::vector<std::string_view> numbers = numbers_in(name);
+    if (numbers.size() != 1) return std::nullopt;
+    const auto begin = static_cast<std::size_t>(numbers[0].data() - name.data());
+    return Pattern{without_doubled_percents(name.substr(0, begin)),
+                   without_doubled_percents(name.substr(begin + numbers[0].size()))};
   }
 
   /// What stands in the place of the number; nothing where the name is of another kind. The case of letters
@@ -133,14 +151,18 @@ std::vector<fs::path> list_folder(const fs::path& folder) {
 }
 
 std::vector<NumberedFile> files_of_pattern(const fs::path& name) {
-  const Pattern pattern(name.filename().string());
+  const auto pattern = Pattern::read(name.filename().string());
+  if (!pattern) {
+    fail("{}: a sequence has one number in its name, as in walk_%04d.obj, walk_####.obj or walk_$F4.obj",
+         name.filename().string());
+  }
   std::vector<NumberedFile> files;
   for (const fs::path& path : list_folder(name.parent_path())) {
-    const auto text = pattern.number_in(path.filename().string());
+    const auto text = pattern->number_in(path.filename().string());
     if (!text || !begins_as_number(*text)) continue;
     const auto number = read_number(*text);
     if (!number) fail("{}: \"{}\" stands in its name where a number should", path.string(), *text);
-    files.push_back({path, pattern.before, pattern.after, *number});
+    files.push_back({path, pattern->before, pattern->after, *number});
   }
   if (files.empty()) fail("{}: there is no such file", name.string());
   return files;
@@ -148,13 +170,16 @@ std::vector<NumberedFile> files_of_pattern(const fs::path& name) {
 
 /// Takes the hidden files out, such as those that macOS leaves beside others.
 void leave_out_hidden(std::vector<fs::path>& paths, const fs::path& folder, const SceneWarning& warn) {
-  std::string names;
+  NameList names;
   for (const fs::path& path : paths) {
-    if (is_hidden(path)) names += (names.empty() ? "" : ", ") + path.filename().string();
+    if (is_hidden(path)) names.add(path.filename().string());
   }
-  if (names.empty()) return;
+  if (names.count() == 0) return;
   std::erase_if(paths, is_hidden);
-  if (warn) warn(fmt::format("{}: hidden files are left out: {}", folder.string(), names));
+  if (paths.empty())
+    fail("{}: the folder has no .obj files but hidden ones, which are left out: {}", folder.string(),
+         names.text());
+  if (warn) warn(fmt::format("{}: hidden files are left out: {}", folder.string(), names.text()));
 }
 
 std::vector<NumberedFile> files_of_folder(const fs::path& folder, const SceneWarning& warn) {
@@ -237,8 +262,9 @@ std::string obj_scene_name(const std::string& name) {
   fs::path path(name);
   if (!has_obj_extension(path) && !path.has_filename()) path = path.parent_path();  // "folder/"
   std::string stem = has_obj_extension(path) ? path.stem().string() : path.filename().string();
-  std::smatch number;
-  if (std::regex_search(stem, number, number_pattern())) stem = number.prefix().str();
+  std::error_code ignored;
+  const auto pattern = fs::exists(path, ignored) ? std::nullopt : Pattern::read(stem);
+  if (pattern) stem = pattern->before;
   while (!stem.empty() && std::string_view("_-. ").find(stem.back()) != std::string_view::npos)
     stem.pop_back();
   return stem.empty() ? "obj" : stem;
