@@ -22,7 +22,7 @@ bool leads_inside(const Triangle2& t, std::size_t k, Vec2 p) {
 }  // namespace
 
 EarClipper::EarClipper(const Polygon& polygon)
-    : points_(polygon), grid_(polygon), is_candidate_(polygon.size(), false) {
+    : points_(polygon), left_(polygon.size()), is_candidate_(polygon.size(), false) {
   const auto count = static_cast<std::uint32_t>(polygon.size());
   for (std::uint32_t i = 0; i < count; ++i) {
     previous_.push_back((i + count - 1) % count);
@@ -36,38 +36,66 @@ void EarClipper::ask(std::uint32_t corner) {
   candidates_.push_back(corner);
 }
 
-void EarClipper::ask_all(std::uint32_t first) {
-  ask(first);
-  for (std::uint32_t corner = next_[first]; corner != first; corner = next_[corner]) ask(corner);
+void EarClipper::ask_all() {
+  ask(some_);
+  for (std::uint32_t corner = next_[some_]; corner != some_; corner = next_[corner]) ask(corner);
 }
 
 void EarClipper::cut(std::vector<std::uint32_t>& triangles) {
-  Rule rule = Rule::kEars;
-  std::uint32_t some = 0;  // corner that is left
-  bool has_clipped = true;
-  std::size_t left = points_.size();
-  while (left >= 3) {
-    if (candidates_.empty()) {
-      if (!has_clipped) rule = rule == Rule::kEars ? Rule::kNotInverted : Rule::kAnything;
-      has_clipped = false;
-      ask_all(some);
+  clip_all(Rule::kFolds, triangles);
+  find_reflex();
+  for (const Rule rule : {Rule::kEars, Rule::kNotInverted, Rule::kAnything}) clip_all(rule, triangles);
+}
+
+/// As long as there are any, until the last triangle.
+void EarClipper::clip_all(Rule rule, std::vector<std::uint32_t>& triangles) {
+  for (bool has_clipped = true; has_clipped;) {
+    has_clipped = false;
+    if (left_ >= 3) ask_all();
+    while (left_ >= 3 && !candidates_.empty()) {
+      const std::uint32_t corner = candidates_.front();
+      candidates_.pop_front();
+      is_candidate_[corner] = false;
+      if (left_ > 3 && !may_clip(corner, rule)) continue;
+      triangles.insert(triangles.end(), {previous_[corner], corner, next_[corner]});
+      clip(corner);
+      has_clipped = true;
     }
-    const std::uint32_t corner = candidates_.front();
-    candidates_.pop_front();
-    is_candidate_[corner] = false;
-    if (left > 3 && !may_clip(corner, rule)) continue;
-    triangles.insert(triangles.end(), {previous_[corner], corner, next_[corner]});
-    some = next_[corner];
-    clip(corner);
-    has_clipped = true;
-    --left;
   }
 }
 
+double EarClipper::doubled_area_at(std::uint32_t corner) const {
+  return doubled_area(points_[previous_[corner]], points_[corner], points_[next_[corner]]);
+}
+
 bool EarClipper::may_clip(std::uint32_t corner, Rule rule) const {
-  if (rule == Rule::kEars) return is_ear(corner);
-  return rule == Rule::kAnything ||
-         doubled_area(points_[previous_[corner]], points_[corner], points_[next_[corner]]) >= 0;
+  switch (rule) {
+    case Rule::kFolds:
+      return is_fold(corner);
+    case Rule::kEars:
+      return is_ear(corner);
+    case Rule::kNotInverted:
+      return doubled_area_at(corner) >= 0;
+    default:
+      return true;
+  }
+}
+
+/// Whether the polygon turns back there, or stays where it is: what is clipped has no area.
+bool EarClipper::is_fold(std::uint32_t corner) const {
+  const Vec2 before = points_[previous_[corner]], at = points_[corner], after = points_[next_[corner]];
+  return doubled_area(before, at, after) == 0 &&
+         (before.x - at.x) * (after.x - at.x) + (before.y - at.y) * (after.y - at.y) >= 0;
+}
+
+/// A triangle with corners of the polygon in it has one of these in it.
+void EarClipper::find_reflex() {
+  std::vector<std::uint32_t> corners;
+  std::uint32_t corner = some_;
+  for (std::size_t i = 0; i < left_; ++i, corner = next_[corner]) {
+    if (!(doubled_area_at(corner) > 0)) corners.push_back(corner);
+  }
+  reflex_.emplace(points_, std::move(corners));
 }
 
 /// Whether the triangle of a corner and its neighbours is inside the polygon.
@@ -75,7 +103,7 @@ bool EarClipper::is_ear(std::uint32_t corner) const {
   const std::array<std::uint32_t, 3> corners{previous_[corner], corner, next_[corner]};
   const Triangle2 t{points_[corners[0]], points_[corners[1]], points_[corners[2]]};
   if (!(doubled_area(t[0], t[1], t[2]) > 0)) return false;
-  return !grid_.any_near(t, [&](std::uint32_t other) {
+  return !reflex_->any_near(t, [&](std::uint32_t other) {
     if (other == corners[0] || other == corners[1] || other == corners[2]) return false;
     if (!is_in_closed(t, points_[other])) return false;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -90,9 +118,15 @@ void EarClipper::clip(std::uint32_t corner) {
   const std::uint32_t before = previous_[corner], after = next_[corner];
   next_[before] = after;
   previous_[after] = before;
-  grid_.remove(corner);
+  --left_;
+  some_ = after;
   ask(before);
   ask(after);
+  if (!reflex_) return;
+  reflex_->remove(corner);
+  for (const std::uint32_t neighbour : {before, after}) {
+    if (doubled_area_at(neighbour) > 0) reflex_->remove(neighbour);
+  }
 }
 
 }  // namespace stbvh::harness
