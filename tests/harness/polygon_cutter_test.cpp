@@ -160,6 +160,46 @@ TEST(PolygonCutter, OutlinesThatFoldBack) {
   expect_always_covered_once(square(antenna), "a long spur");
 }
 
+TEST(PolygonCutter, OutlinesThatTouchTheirOwnEdges) {
+  expect_covered_once_from_each({{1.5625, 3, 0},
+                                 {3, 3, 0},
+                                 {2, 6, 0},
+                                 {0, 2, 0},
+                                 {2, 3, 0},
+                                 {1.5, 3, 0},
+                                 {1, 3, 0},
+                                 {2, 4.875, 0},
+                                 {1.4375, 3, 0}},
+                                "a hole that touches the edges that join it");
+}
+
+/// Triangles of `polygon` cover `other`, which has as many corners, once.
+void expect_covered_once_as(const Corners& polygon, const Corners& other) {
+  std::vector<std::uint32_t> triangles;
+  cut_polygon(polygon, triangles);
+  double sum = 0;
+  for (std::size_t i = 0; i < triangles.size(); i += 3) {
+    const double part = area_of(other[triangles[i]], other[triangles[i + 1]], other[triangles[i + 2]]).z;
+    EXPECT_GE(part, 0) << i / 3;
+    sum += part;
+  }
+  EXPECT_NEAR(sum, area_of(other).z, 1e-9);
+}
+
+TEST(PolygonCutter, SlitsMayOpen) {
+  const auto square = [](double gap) {
+    return Corners{{0, 0, 0}, {4, 0, 0},       {4, 4, 0},       {2 + gap, 4, 0}, {2 + gap, 3, 0},
+                   {2, 2, 0}, {2 - gap, 3, 0}, {2 - gap, 4, 0}, {0, 4, 0}};
+  };
+  Corners closed = square(0), open = square(0.25);
+  for (std::size_t i = 0; i < closed.size(); ++i) {
+    expect_always_covered_once(closed, "a slit");
+    expect_covered_once_as(closed, open);
+    std::rotate(closed.begin(), closed.begin() + 1, closed.end());
+    std::rotate(open.begin(), open.begin() + 1, open.end());
+  }
+}
+
 TEST(PolygonCutter, CrowdedCorners) {
   const int count = 50000;
   Corners cluster{{0, 0, 0}, {1000, 0, 0}, {1000, 1000, 0}};
@@ -218,13 +258,14 @@ TEST(PolygonCutter, PolygonsThatCrossAtTheirCorners) {
   twice.insert(twice.end(), square.begin(), square.end());
   EXPECT_TRUE(flaws_of(twice).crosses_itself);
   EXPECT_FALSE(flaws_of({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, 0, 0}, {0, 4, 0}}).crosses_itself);  // touches
-  // Touches but for the rounding of floats: a third of the way along an edge.
-  const double third = 100.0f + 1.0f / 3;
-  EXPECT_FALSE(flaws_of({{100, 100, 0},
-                         {101, third, 0},
-                         {101, 103, 0},
-                         {third, static_cast<float>(100 + 1.0 / 9), 0},
-                         {100, 103, 0}})
+  // The notch's tip is beyond the edge from (100, 100) to (104, 101), by the rounding of floats.
+  EXPECT_FALSE(flaws_of({{104, 109, 0},
+                         {101.5, 109, 0},
+                         {100.829964f, 100.207489f, 0},
+                         {100.5, 109, 0},
+                         {100, 109, 0},
+                         {100, 100, 0},
+                         {104, 101, 0}})
                    .crosses_itself);
 }
 

@@ -42,6 +42,8 @@ void EarClipper::ask_all() {
 }
 
 void EarClipper::cut(std::vector<std::uint32_t>& triangles) {
+  for (std::uint32_t corner = 0; corner < left_; ++corner)
+    ends_slit_.push_back(is_fold(corner) && ends_slit(corner));
   clip_all(Rule::kFolds, triangles);
   find_reflex();
   for (const Rule rule : {Rule::kEars, Rule::kNotInverted, Rule::kAnything}) clip_all(rule, triangles);
@@ -71,7 +73,7 @@ double EarClipper::doubled_area_at(std::uint32_t corner) const {
 bool EarClipper::may_clip(std::uint32_t corner, Rule rule) const {
   switch (rule) {
     case Rule::kFolds:
-      return is_fold(corner);
+      return is_fold(corner) && !ends_slit_[corner];
     case Rule::kEars:
       return is_ear(corner);
     case Rule::kNotInverted:
@@ -88,6 +90,22 @@ bool EarClipper::is_fold(std::uint32_t corner) const {
          (before.x - at.x) * (after.x - at.x) + (before.y - at.y) * (after.y - at.y) >= 0;
 }
 
+/// Whether a fold is the inner end of a slit: that has an inside on both sides, and may open in other steps.
+bool EarClipper::ends_slit(std::uint32_t fold) const {
+  std::uint32_t in = previous_[fold], out = next_[fold], above = fold;
+  if (!is_same(points_[in], points_[out])) return false;
+  while (!is_fold(in) && !is_fold(out) && is_same(points_[previous_[in]], points_[next_[out]])) {
+    above = in;
+    in = previous_[in];
+    out = next_[out];
+  }
+  const Vec2 before = points_[previous_[in]], base = points_[in], after = points_[next_[out]];
+  const bool is_left_of_in = doubled_area(before, base, points_[above]) > 0;
+  const bool is_left_of_out = doubled_area(base, after, points_[above]) > 0;
+  return doubled_area(before, base, after) > 0 ? is_left_of_in && is_left_of_out
+                                               : is_left_of_in || is_left_of_out;
+}
+
 /// A triangle with corners of the polygon in it has one of these in it.
 void EarClipper::find_reflex() {
   std::vector<std::uint32_t> corners;
@@ -98,7 +116,8 @@ void EarClipper::find_reflex() {
   reflex_.emplace(points_, std::move(corners));
 }
 
-/// Whether the triangle of a corner and its neighbours is inside the polygon.
+/// Whether the triangle of a corner and its neighbours is inside the polygon. Corners that touch its edges
+/// from without are no obstacle.
 bool EarClipper::is_ear(std::uint32_t corner) const {
   const std::array<std::uint32_t, 3> corners{previous_[corner], corner, next_[corner]};
   const Triangle2 t{points_[corners[0]], points_[corners[1]], points_[corners[2]]};
@@ -109,6 +128,10 @@ bool EarClipper::is_ear(std::uint32_t corner) const {
     for (std::size_t k = 0; k < 3; ++k) {
       if (is_same(points_[other], t[k]))
         return leads_inside(t, k, points_[previous_[other]]) || leads_inside(t, k, points_[next_[other]]);
+    }
+    for (std::size_t k = 0; k < 2; ++k) {
+      const auto side = [&](std::uint32_t p) { return doubled_area(t[k], t[k + 1], points_[p]); };
+      if (side(other) == 0) return side(previous_[other]) > 0 || side(next_[other]) > 0;
     }
     return true;
   });
@@ -123,7 +146,6 @@ void EarClipper::clip(std::uint32_t corner) {
   ask(before);
   ask(after);
   if (!reflex_) return;
-  reflex_->remove(corner);
   for (const std::uint32_t neighbour : {before, after}) {
     if (doubled_area_at(neighbour) > 0) reflex_->remove(neighbour);
   }

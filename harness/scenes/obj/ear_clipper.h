@@ -30,6 +30,7 @@ class EarClipper {
   bool may_clip(std::uint32_t corner, Rule rule) const;
   double doubled_area_at(std::uint32_t corner) const;
   bool is_fold(std::uint32_t corner) const;
+  bool ends_slit(std::uint32_t fold) const;
   bool is_ear(std::uint32_t corner) const;
   void find_reflex();
   void clip(std::uint32_t corner);
@@ -41,6 +42,7 @@ class EarClipper {
   std::size_t left_;                            ///< how many these are
   std::uint32_t some_ = 0;                      ///< of these
   std::optional<PointTree> reflex_;             ///< of these, those that may be in the triangle of another
+  std::vector<bool> ends_slit_;                 ///< of all corners
   std::deque<std::uint32_t> candidates_;
   std::vector<bool> is_candidate_;
 };
