@@ -339,6 +339,30 @@ TEST_F(ObjScene, TrianglesThatAreNotFiniteAreLeftOutAndCounted) {
   EXPECT_EQ(load("v 1e-999 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").meshes[0].steps[0][0].x, 0);
 }
 
+TEST_F(ObjScene, FacesThatAreNotFiniteInTheFirstFileAreLeftOutWhole) {
+  const std::string others = "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\n";
+  const std::string faces = "f 2 3 4 5 6 7 1\nf 1 2 4 6\n";
+  const auto load_sequence = [&](const char* first, const char* second) {
+    said.clear();
+    write("s1.obj", others + "v " + first + " 0.5 0\n" + faces);
+    write("s2.obj", others + "v " + second + " 0.5 0\n" + faces);
+    return load_obj(at("s%d.obj"), [&](const std::string& sentence) { said.push_back(sentence); });
+  };
+  const Scene scene = load_sequence("nan", "0");
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_NE(said[0].find("5 of 7 in \"s\""), std::string::npos) << said[0];
+  EXPECT_EQ(scene.meshes[0].faces, (Indices{1, 1}));
+  ASSERT_EQ(scene.meshes[0].steps.size(), 2u);
+  // One that is bad later is known in shape: the triangles that have its corner are left out.
+  const Scene later = load_sequence("0", "nan");
+  ASSERT_EQ(said.size(), 1u);
+  ASSERT_GT(later.triangle_count(), 2u);
+  for (std::size_t t = 0; t + 2 < later.triangle_count(); ++t) {
+    const auto p = triangle_at(later.meshes[0], t, {});
+    EXPECT_GE(cross(p[1] - p[0], p[2] - p[0]).z, 0) << t;
+  }
+}
+
 TEST_F(ObjScene, ConcaveFacesAreCoveredOnce) {
   const Scene scene =
       load("v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\nf 2 3 4 5 6 1\nf 5 6 1 2 3 4\n");
@@ -362,6 +386,9 @@ TEST_F(ObjScene, FacesOfMoreThanOneMeaningAreTold) {
   load("v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 4\n");
   ASSERT_EQ(said.size(), 1u);
   EXPECT_TRUE(said[0].starts_with(at("file.obj") + ": faces that cross themselves: 1;")) << said[0];
+  load("v 0 0 0\nv 1 1 0\nv 2 2 0\nv 2 0 0\nv 0 3 0\nf 1 2 3 4 2 5\nf 1 4 3 1 4 3 5\nf 1 4 3 5\n");
+  ASSERT_EQ(said.size(), 1u);
+  EXPECT_TRUE(said[0].starts_with(at("file.obj") + ": faces that cross themselves: 2;")) << said[0];
 }
 
 TEST_F(ObjScene, FacesAreCutAsInTheFirstFile) {

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <string>
@@ -122,6 +123,100 @@ TEST(PolygonCutter, HolesThatAreJoinedToTheOutline) {
   expect_always_covered_once(ring, "a ring");
 }
 
+/// From each of its corners on.
+void expect_covered_once_from_each(Corners polygon, const std::string& what) {
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    expect_always_covered_once(polygon, what + ", from " + std::to_string(i));
+    std::rotate(polygon.begin(), polygon.begin() + 1, polygon.end());
+  }
+}
+
+TEST(PolygonCutter, OutlinesThatFoldBack) {
+  const auto square = [](const Corners& on_top) {
+    Corners corners{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}};
+    corners.insert(corners.end(), on_top.begin(), on_top.end());
+    corners.push_back({0, 4, 0});
+    return corners;
+  };
+  expect_covered_once_from_each(square({{2, 4, 0}, {2, 6, 0}, {2, 4, 0}}), "a spur outwards");
+  expect_covered_once_from_each(square({{2, 4, 0}, {2, 5, 0}, {2, 6, 0}, {2, 4.5, 0}, {2, 4, 0}}),
+                                "a spur with other corners on its way back");
+  expect_covered_once_from_each(square({{2, 4, 0},
+                                        {2, 5, 0},
+                                        {3, 5, 0},
+                                        {2, 5, 0},
+                                        {2, 6, 0},
+                                        {2, 5, 0},
+                                        {1, 6, 0},
+                                        {2, 5, 0},
+                                        {2, 4, 0}}),
+                                "a spur with branches");
+  expect_covered_once_from_each(square({{4, 6, 0}, {4, 4, 0}}), "a spur at a corner");
+  expect_covered_once_from_each(square({{2, 4, 0}, {2, 2, 0}, {2, 4, 0}}), "a slit");
+  expect_covered_once_from_each(square({{4, 4, 0}, {2, 3, 0}, {2, 3, 0}, {2, 3, 0}}),
+                                "points that are repeated");
+  Corners antenna;
+  for (int i = 0; i < 20000; ++i) antenna.push_back({2, 4 + std::min(i, 19999 - i) / 64.0, 0});
+  expect_always_covered_once(square(antenna), "a long spur");
+}
+
+TEST(PolygonCutter, OutlinesThatTouchTheirOwnEdges) {
+  expect_covered_once_from_each({{1.5625, 3, 0},
+                                 {3, 3, 0},
+                                 {2, 6, 0},
+                                 {0, 2, 0},
+                                 {2, 3, 0},
+                                 {1.5, 3, 0},
+                                 {1, 3, 0},
+                                 {2, 4.875, 0},
+                                 {1.4375, 3, 0}},
+                                "a hole that touches the edges that join it");
+}
+
+/// Triangles of `polygon` cover `other`, which has as many corners, once.
+void expect_covered_once_as(const Corners& polygon, const Corners& other) {
+  std::vector<std::uint32_t> triangles;
+  cut_polygon(polygon, triangles);
+  double sum = 0;
+  for (std::size_t i = 0; i < triangles.size(); i += 3) {
+    const double part = area_of(other[triangles[i]], other[triangles[i + 1]], other[triangles[i + 2]]).z;
+    EXPECT_GE(part, 0) << i / 3;
+    sum += part;
+  }
+  EXPECT_NEAR(sum, area_of(other).z, 1e-9);
+}
+
+TEST(PolygonCutter, SlitsMayOpen) {
+  const auto square = [](double gap) {
+    return Corners{{0, 0, 0}, {4, 0, 0},       {4, 4, 0},       {2 + gap, 4, 0}, {2 + gap, 3, 0},
+                   {2, 2, 0}, {2 - gap, 3, 0}, {2 - gap, 4, 0}, {0, 4, 0}};
+  };
+  Corners closed = square(0), open = square(0.25);
+  for (std::size_t i = 0; i < closed.size(); ++i) {
+    expect_always_covered_once(closed, "a slit");
+    expect_covered_once_as(closed, open);
+    std::rotate(closed.begin(), closed.begin() + 1, closed.end());
+    std::rotate(open.begin(), open.begin() + 1, open.end());
+  }
+}
+
+TEST(PolygonCutter, CrowdedCorners) {
+  const int count = 50000;
+  Corners cluster{{0, 0, 0}, {1000, 0, 0}, {1000, 1000, 0}};
+  for (int i = 0; i < count; ++i)
+    cluster.push_back({i % 2 == 0 ? 1.0 : 2.0, 2 - static_cast<double>(i) / count, 0});
+  expect_covered_once(cluster, "a zigzag in a corner");
+  Corners comb{{0, 0, 0}, {1000, 0, 0}}, ribbon;
+  for (double i = count / 2; i > 0; --i) {
+    comb.push_back({(i - 0.25) * 2 / count, 1, 0});
+    comb.push_back({(i - 0.75) * 2 / count, 0.01, 0});
+  }
+  expect_covered_once(comb, "a comb in a corner");
+  for (double i = 0; i < count / 2; ++i) ribbon.push_back({i, i + 1e-9 * i * (count / 2 - i), 0});
+  for (double i = count / 2; i > 0; --i) ribbon.push_back({i - 1.5, i - 0.4, 0});
+  expect_covered_once(ribbon, "a slanting ribbon");
+}
+
 TEST(PolygonCutter, RandomStars) {
   Pcg32 random(1);
   for (std::size_t round = 0; round < 300; ++round) {
@@ -151,6 +246,44 @@ TEST(PolygonCutter, PolygonsThatCrossThemselves) {
   Corners tangle;
   for (int i = 0; i < 3000; ++i) tangle.push_back({random.uniform(), random.uniform(), 0});
   EXPECT_TRUE(flaws_of(tangle).crosses_itself);
+}
+
+TEST(PolygonCutter, PolygonsThatCrossAtTheirCorners) {
+  const Vec3 a{0, 0, 0}, b{1, 1, 0}, c{2, 2, 0}, d{2, 0, 0}, e{0, 3, 0};
+  EXPECT_TRUE(flaws_of({a, b, c, d, b, e}).crosses_itself);
+  EXPECT_TRUE(flaws_of({{0, 0, 0}, {4, 0, 0}, {4, 2, 0}, {2, 0, 0}, {1.5, -2, 0}, {1, 0, 0}, {0, 2, 0}})
+                  .crosses_itself);
+  const Corners square{{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}};
+  Corners twice = square;
+  twice.insert(twice.end(), square.begin(), square.end());
+  EXPECT_TRUE(flaws_of(twice).crosses_itself);
+  EXPECT_FALSE(flaws_of({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {2, 0, 0}, {0, 4, 0}}).crosses_itself);  // touches
+  // The notch's tip is beyond the edge from (100, 100) to (104, 101), by the rounding of floats.
+  EXPECT_FALSE(flaws_of({{104, 109, 0},
+                         {101.5, 109, 0},
+                         {100.829964f, 100.207489f, 0},
+                         {100.5, 109, 0},
+                         {100, 109, 0},
+                         {100, 100, 0},
+                         {104, 101, 0}})
+                   .crosses_itself);
+}
+
+TEST(PolygonCutter, CornersThatAreNotFinite) {
+  const Corners concave{{2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}, {0, 0.5, 0}, {0, 0, 0}};
+  for (const double bad : {std::nan(""), HUGE_VAL}) {
+    for (std::uint32_t i = 0; i < concave.size(); ++i) {
+      Corners corners = concave;
+      corners[i].y = bad;
+      std::vector<std::uint32_t> triangles;
+      const PolygonFlaws flaws = cut_polygon(corners, triangles);
+      EXPECT_FALSE(flaws.is_bent || flaws.crosses_itself);
+      ASSERT_EQ(triangles.size(), 3 * (concave.size() - 2));
+      for (std::size_t t = 0; t < triangles.size(); t += 3)
+        EXPECT_EQ(std::count(&triangles[t], &triangles[t] + 3, i), 1)
+            << "corner " << i << ", triangle " << t / 3;
+    }
+  }
 }
 
 TEST(PolygonCutter, PolygonsWithoutAPlane) {

@@ -4,9 +4,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <vector>
 
-#include "harness/scenes/obj/point_grid.h"
+#include "harness/scenes/obj/point_tree.h"
 
 namespace stbvh::harness {
 
@@ -17,23 +18,31 @@ class EarClipper {
   explicit EarClipper(const Polygon& polygon);
 
   /// Appends the triangles, three corners each, two fewer than there are corners. They cover the polygon once
-  /// where it is simple.
+  /// where it is simple but for corners where it folds back onto itself.
   void cut(std::vector<std::uint32_t>& triangles);
 
  private:
-  /// What is clipped; the next where no ear is left, as there always is one but in polygons that cross
+  /// What is clipped; the next where none is left. There is always an ear but in polygons that cross
   /// themselves or have no area.
-  enum class Rule { kEars, kNotInverted, kAnything };
+  enum class Rule { kFolds, kEars, kNotInverted, kAnything };
 
+  void clip_all(Rule rule, std::vector<std::uint32_t>& triangles);
   bool may_clip(std::uint32_t corner, Rule rule) const;
+  double doubled_area_at(std::uint32_t corner) const;
+  bool is_fold(std::uint32_t corner) const;
+  bool ends_slit(std::uint32_t fold) const;
   bool is_ear(std::uint32_t corner) const;
+  void find_reflex();
   void clip(std::uint32_t corner);
   void ask(std::uint32_t corner);
-  void ask_all(std::uint32_t first);
+  void ask_all();
 
   const Polygon& points_;
   std::vector<std::uint32_t> previous_, next_;  ///< of the corners that are left
-  PointGrid grid_;                              ///< of these
+  std::size_t left_;                            ///< how many these are
+  std::uint32_t some_ = 0;                      ///< of these
+  std::optional<PointTree> reflex_;             ///< of these, those that may be in the triangle of another
+  std::vector<bool> ends_slit_;                 ///< of all corners
   std::deque<std::uint32_t> candidates_;
   std::vector<bool> is_candidate_;
 };

@@ -60,12 +60,6 @@ std::vector<Edge> edges_of(const Polygon& polygon) {
   return edges;
 }
 
-double rounding_of(const Polygon& polygon) {
-  double largest = 0;
-  for (const Vec2& p : polygon) largest = std::max({largest, std::abs(p.x), std::abs(p.y)});
-  return 0x1p-22 * largest;
-}
-
 /// An end of an edge.
 struct Event {
   Vec2 at;

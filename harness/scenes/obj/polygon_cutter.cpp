@@ -73,28 +73,51 @@ bool is_fan(const Polygon& p) {
   return true;
 }
 
-void add_fan(std::size_t corners, std::vector<std::uint32_t>& triangles) {
-  for (std::uint32_t i = 2; i < corners; ++i) triangles.insert(triangles.end(), {0, i - 1, i});
+/// About corner `centre`.
+void add_fan(std::size_t centre, std::size_t corners, std::vector<std::uint32_t>& triangles) {
+  const auto corner = [&](std::size_t i) { return static_cast<std::uint32_t>((centre + i) % corners); };
+  for (std::size_t i = 2; i < corners; ++i)
+    triangles.insert(triangles.end(), {corner(0), corner(i - 1), corner(i)});
+}
+
+/// Whether a triangle is wound the other way round. The areas of all, with their signs, are that of the
+/// polygon, whatever is clipped: what they cover more than once is as large as those that are inverted. One
+/// that is less high than the rounding of floats has no area; the rounding of doubles is far below that.
+bool is_any_inverted(const Polygon& p, std::span<const std::uint32_t> triangles) {
+  const double rounding = rounding_of(p);
+  for (std::size_t i = 0; i < triangles.size(); i += 3) {
+    const Vec2 a = p[triangles[i]], b = p[triangles[i + 1]], c = p[triangles[i + 2]];
+    const double longest = std::max({std::hypot(b.x - a.x, b.y - a.y), std::hypot(c.x - b.x, c.y - b.y),
+                                     std::hypot(a.x - c.x, a.y - c.y)});
+    if (doubled_area(a, b, c) < -rounding * longest) return true;
+  }
+  return false;
 }
 
 }  // namespace
 
 PolygonFlaws cut_polygon(std::span<const Vec3> corners, std::vector<std::uint32_t>& triangles) {
   PolygonFlaws flaws;
-  const bool is_plain = corners.size() == 3 || !std::all_of(corners.begin(), corners.end(), is_finite);
-  const Vec3 normal = is_plain ? Vec3{} : area_vector(corners);
+  const auto unknown = std::find_if_not(corners.begin(), corners.end(), is_finite);
+  if (unknown != corners.end()) {
+    add_fan(static_cast<std::size_t>(unknown - corners.begin()), corners.size(), triangles);
+    return flaws;
+  }
+  const Vec3 normal = corners.size() == 3 ? Vec3{} : area_vector(corners);
   if (!(length(normal) > 0)) {
-    add_fan(corners.size(), triangles);
+    add_fan(0, corners.size(), triangles);
     return flaws;
   }
   flaws.is_bent = is_bent(corners, normal);
   const Polygon polygon = projected(corners, normal);
   if (is_fan(polygon)) {
-    add_fan(corners.size(), triangles);
+    add_fan(0, corners.size(), triangles);
     return flaws;
   }
-  flaws.crosses_itself = crosses_itself(polygon);
+  const std::size_t before = triangles.size();
   EarClipper(polygon).cut(triangles);
+  flaws.crosses_itself =
+      crosses_itself(polygon) || is_any_inverted(polygon, std::span(triangles).subspan(before));
   return flaws;
 }
 
