@@ -2,7 +2,9 @@
 #pragma once
 
 #include <charconv>
+#include <cstdlib>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <system_error>
 #include <type_traits>
@@ -19,13 +21,8 @@ std::optional<T> parse_number(std::string_view word) {
   auto [end, error] = std::from_chars(word.data(), last, value);
   if constexpr (std::is_same_v<T, float>) {
     if (error == std::errc::result_out_of_range) {  // too small, or too large and so infinite
-      double wide = 0;
-      const auto [wide_end, wide_error] = std::from_chars(word.data(), last, wide);
-      if (wide_error == std::errc()) {
-        value = static_cast<float>(wide);
-        end = wide_end;
-        error = std::errc();
-      }
+      value = static_cast<float>(std::strtod(std::string(word.data(), end).c_str(), nullptr));
+      error = std::errc();
     }
   }
   if (word.empty() || error != std::errc() || end != last) return std::nullopt;
