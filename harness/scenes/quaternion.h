@@ -1,6 +1,7 @@
 /// Rotations in double precision.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "harness/scenes/vec3.h"
@@ -37,11 +38,13 @@ inline double dot(Quaternion a, Quaternion b) {
   return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
 }
 
-/// Unit length; the identity where the length is zero or not finite.
+/// Unit length, whatever the length is. Not a number where a component is not finite, and where all are zero:
+/// that is no rotation, and whoever takes it for one would show something in a place that no file names.
 inline Quaternion normalized(Quaternion q) {
-  const double length = std::sqrt(dot(q, q));
-  if (!(length > 0) || !std::isfinite(length)) return {};
-  return {q.w / length, q.x / length, q.y / length, q.z / length};
+  const double largest = std::max({std::abs(q.w), std::abs(q.x), std::abs(q.y), std::abs(q.z)});
+  const Quaternion near{q.w / largest, q.x / largest, q.y / largest, q.z / largest};  // squares are in range
+  const double length = std::sqrt(dot(near, near));
+  return {near.w / length, near.x / length, near.y / length, near.z / length};
 }
 
 /// Along the shorter arc, at constant speed.

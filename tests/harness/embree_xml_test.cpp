@@ -328,6 +328,58 @@ TEST_F(EmbreeXmlTest, CommandLists) {
   EXPECT_TRUE(warnings.empty());
 }
 
+TEST_F(EmbreeXmlTest, CommandListsMayHaveBlanksInQuotes) {
+  write("sub dir/d #1.xml", read_file(write_scene(triangle())));
+  write_scene(triangle() + R"(<PerspectiveCamera name="a b" from="0 0 8" to="0 0 0" up="0 1 0" fov="10"/>)");
+  const Scene scene =
+      load_file(write("l.ecs", "-i \"sub dir/d #1.xml\" # \"\n-i \"s.xml\" --camera \"a b\"#"));
+  EXPECT_EQ(scene.meshes.size(), 2u);
+  EXPECT_EQ(scene.camera.vertical_fov_degrees, 10);
+  EXPECT_TRUE(warnings.empty());
+  EXPECT_NE(
+      refusal_of(write("l.ecs", "-i \"sub dir\n-i s.xml")).find("the quote before sub dir is not closed"),
+      std::string::npos);
+}
+
+/// Paths are relative to the list that they stand in; later words have the last word.
+TEST_F(EmbreeXmlTest, CommandListsMayNameOthers) {
+  write_scene(triangle());
+  write("a/b/t.xml", read_file(write_scene(triangle())));
+  write("a/b/deep.ecs", "-i t.xml -vp 1 2 3 -ambientlight 1 1 1 --shader uv -animlist frames.txt");
+  write("a/inner.ecs", "-c b/deep.ecs -i ../s.xml -vp 4 5 6");
+  const Scene scene =
+      load_file(write("l.ecs", "-fov 20 -c a/inner.ecs -i s.xml -ambientlight 1 2 3 -c a/b/deep.ecs"));
+  EXPECT_EQ(scene.meshes.size(), 4u);
+  EXPECT_EQ(scene.camera.vertical_fov_degrees, 20);
+  expect_at(scene.camera.position, 1, 2, 3);
+  expect_at(scene.environment.value().radiance, 3, 4, 5);
+  EXPECT_EQ(warnings.size(), 2u);
+  EXPECT_TRUE(warned_of("left out: --shader, --shader."));
+  EXPECT_TRUE(warned_of("-animlist is left out: its files are frames that follow each other"));
+}
+
+TEST_F(EmbreeXmlTest, CommandListsThatNameOthersForEver) {
+  write_scene(triangle());
+  EXPECT_EQ(refusal_of(write("l.ecs", "-i s.xml -c l.ecs")),
+            ": \"" + at("l.ecs") + "\" names itself with -c");
+  write("x/a.ecs", "-c ../x/../l.ecs");
+  EXPECT_NE(refusal_of(write("l.ecs", "-i s.xml -c x/a.ecs")).find("l.ecs\" names itself with -c"),
+            std::string::npos);
+  EXPECT_NE(refusal_of(write("l.ecs", "-i s.xml -c none.ecs"))
+                .find("none.ecs\", which it names with -c, does not exist"),
+            std::string::npos);
+  write("bad.ecs", "-fov 200");
+  EXPECT_NE(refusal_of(write("l.ecs", "-i s.xml -c bad.ecs")).find("bad.ecs\": -fov must be above 0"),
+            std::string::npos);
+  // Each names the next twice: 2^60.
+  for (int i = 0; i < 60; ++i) {
+    const std::string next = std::to_string(i + 1) + ".ecs";
+    write(std::to_string(i) + ".ecs", std::string("-c ").append(next).append(" -c ").append(next));
+  }
+  write("60.ecs", "-i s.xml");
+  EXPECT_NE(refusal_of(folder / "0.ecs").find("it names more than 100 lists"), std::string::npos);
+}
+
 TEST_F(EmbreeXmlTest, CommandListsMayNameObjFiles) {
   write("w.mtl", "newmtl red\nKd 1 0 0\n");
   write("w.obj",
@@ -412,6 +464,73 @@ TEST_F(EmbreeXmlTest, TrianglesThatAreNotFiniteAreLeftOutAndCounted) {
       "</SubdivisionMesh>");
   EXPECT_EQ(cage.triangle_count(), 2u * 64 * 2);
   EXPECT_EQ(warnings.size(), 1u);
+}
+
+/// A cage of the unit square and what else stands in it, beside a triangle.
+std::string square_cage(const std::string& indices, const std::string& faces, const std::string& more = "") {
+  return triangle() + "<SubdivisionMesh><positions>0 0 0 1 0 0 1 1 0 0 1 0</positions>" + indices +
+         "<faces>" + faces + "</faces>" + more + "</SubdivisionMesh>";
+}
+
+const std::string kQuad = "<position_indices>0 1 2 3</position_indices>";
+
+TEST_F(EmbreeXmlTest, CagesThatShowNothingAreLeftOutAndCounted) {
+  const std::string no_boundary = R"(<position_indices subdiv_mode="no_boundary">0 1 2 3</position_indices>)";
+  const std::string point = "<position_indices>0 0 0 0</position_indices>";
+  for (const std::string& scene :
+       {square_cage(kQuad, "4", "<holes>0</holes>"), square_cage(no_boundary, "4")}) {
+    EXPECT_EQ(load(scene).meshes.size(), 1u);
+    ASSERT_EQ(warnings.size(), 1u);
+    EXPECT_EQ(warnings[0], at("s.xml") + ": left out: cages without a face to show: 1.");
+  }
+  EXPECT_EQ(load(square_cage(point, "4") + square_cage(kQuad, "4", "<holes>0</holes>")).meshes.size(), 2u);
+  EXPECT_TRUE(warned_of("cages without a face to show: 2."));
+  EXPECT_TRUE(warned_of("faces of cages with fewer than three corners, or one corner twice: 1."));
+  const fs::path alone = write_scene(square_cage(no_boundary, "4").substr(triangle().size()));
+  EXPECT_EQ(refusal_of(alone),
+            ": nothing in it can be shown: there are no triangles, quads or cages to be seen");
+}
+
+TEST_F(EmbreeXmlTest, WhatIsDegenerateInACageIsLeftOutAndCounted) {
+  const Mesh sound = load(square_cage(kQuad, "4")).meshes.at(1);
+  EXPECT_TRUE(warnings.empty());
+  const auto expect_sound = [&](const std::string& scene, const std::string& told) {
+    const Mesh mesh = load(scene).meshes.at(1);
+    EXPECT_EQ(mesh.indices, sound.indices);
+    EXPECT_TRUE(same_bits(mesh.steps.at(0), sound.steps.at(0)));
+    EXPECT_EQ(warnings, (std::vector<std::string>{at("s.xml") + ": left out: " + told})) << scene;
+    return mesh;
+  };
+  const auto indices = [](const std::string& numbers) {
+    return "<position_indices>" + numbers + "</position_indices>";
+  };
+  const std::string faces = "faces of cages with fewer than three corners, or one corner twice: ";
+  expect_sound(square_cage(indices("0 1 2 3 0 1 1 2"), "4 4"), faces + "1.");
+  expect_sound(square_cage(indices("0 1 2 3 0 1"), "4 2"), faces + "1.");
+  // Numbers of faces, in holes and in hits, are those of the file.
+  const Mesh last =
+      expect_sound(square_cage(indices("0 2 0  1  0 1 2 3"), "3 1 4", "<holes>1 0</holes>"), faces + "2.");
+  EXPECT_EQ(last.faces.front(), 2u);
+  EXPECT_EQ(last.faces.back(), 2u);
+  const std::string creases =
+      "<edge_creases>0 2 1 3</edge_creases><edge_crease_weights>1 2</edge_crease_weights>";
+  expect_sound(square_cage(kQuad, "4", creases), "creases of cages where no edge is: 2.");
+  // The edge of a face that is gone is none.
+  load(square_cage(indices("0 1 2 3 0 2 2"), "4 3", creases));
+  EXPECT_TRUE(warned_of("creases of cages where no edge is: 2."));
+  EXPECT_TRUE(warned_of(faces + "1."));
+  // What Embree refuses is refused.
+  const auto refused = [&](const std::string& scene, const std::string& because) {
+    EXPECT_NE(refusal_of(write_scene(scene)).find(because), std::string::npos)
+        << refusal_of(folder / "s.xml");
+  };
+  refused(square_cage(kQuad, "4", "<holes>1</holes>"), "face 1 of the cage is a hole, but there are only 1");
+  refused(square_cage(kQuad, "4", "<edge_creases>0 1</edge_creases>"), "has fewer weights than creases");
+  refused(square_cage(indices("0 1 2 3 0 4 4"), "4 3"), "has the index 4, but only 4 vertices");
+  refused(square_cage(kQuad, "5"), "more corners than the 4 that are given");
+  refused(
+      square_cage(kQuad, "4", "<edge_creases>0 9</edge_creases><edge_crease_weights>1</edge_crease_weights>"),
+      "a crease of the cage has vertex 9");
 }
 
 TEST_F(EmbreeXmlTest, TimeRangesThatEmbreeCannotBuildOverAreLeftOut) {

@@ -278,6 +278,44 @@ TEST_F(GltfSceneTest, LightsShineFromTheirNodes) {
   EXPECT_EQ(scene.point_lights.size(), 1u);
   EXPECT_EQ(expect_one_warning(),
             "standing still as when the shutter opens, although the animation moves or hides them: 1 light");
+
+  // Points need no direction, the others do.
+  d.root.erase("animations");
+  d.root["nodes"][2].erase("extensions");
+  for (std::size_t i = 0; i < 3; ++i) {
+    d.root["nodes"][i + 1]["scale"] = {1, 1, 0};
+    d.root["nodes"][i + 1]["extensions"]["KHR_lights_punctual"]["light"] = i;
+  }
+  scene = load(d);
+  EXPECT_EQ(scene.directional_lights.size(), 0u);
+  EXPECT_EQ(scene.point_lights.size(), 1u);
+  EXPECT_EQ(warnings.back(), "left out, as their places are not finite, or they have no direction: 2 lights");
+}
+
+TEST_F(GltfSceneTest, CamerasStayWithinReach) {
+  Document d = two_nodes();
+  d.root["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 1}}}}};
+  d.root["nodes"].push_back({{"camera", 0}, {"translation", {1.8e18, 0, 0}}});
+  d.root["nodes"][3]["rotation"] = {0, -std::sqrt(0.5), 0, std::sqrt(0.5)};  // -z becomes x
+  d.root["nodes"][0]["translation"] = {1.84e18, 0, 0};
+  d.root["scenes"][0]["nodes"] = {0, 3};
+  Camera camera = load(d).camera;
+  EXPECT_TRUE(warnings.empty());
+  EXPECT_EQ(camera.position.x, 1.8e18f);
+  EXPECT_FLOAT_EQ(camera.target.x, 1.84e18f);
+  d.root["nodes"][3]["rotation"] = {0, 0, 0, 1};
+  d.root["nodes"][0]["translation"] = {1e18, 1e18, -1.8e18};
+  d.root["nodes"][3]["translation"] = {0, 0, 1.8e18};
+  camera = load(d).camera;
+  EXPECT_FLOAT_EQ(camera.target.z, -1.8e18f);
+  d.root["nodes"][3]["rotation"] = {std::sin(0.4), 0, 0, std::cos(0.4)};
+  camera = load(d).camera;
+  EXPECT_LT(camera.target.y, 1.844e18f);
+  EXPECT_GT(camera.target.y, 1e18f);
+  EXPECT_NEAR(camera.target.y / (1.8e18f - camera.target.z), std::tan(0.8), 1e-3);
+  d.root["nodes"][3]["scale"] = {1, 1, 0};
+  load(d);
+  EXPECT_EQ(expect_one_warning(), "left out: a camera that does not look anywhere");
 }
 
 TEST_F(GltfSceneTest, OneWarningForEachKindThatIsLeftOut) {
@@ -427,6 +465,60 @@ TEST_F(GltfSceneTest, TrianglesThatAreNotFiniteAreCounted) {
   }
   d.primitive()["attributes"]["POSITION"] = places(d, {0, 0, 0, kNan, 0, 0, kNan, 1, 0, 0, 1, 0});
   expect_refused(write("nothing.glb", d.bytes()), "none of its triangles can be shown");
+}
+
+/// Of a node, of its keys, of instances: for one that is none, what it turns is left out.
+TEST_F(GltfSceneTest, RotationsThatAreNoneTakeWhatTheyTurnAway) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const float half = std::sqrt(0.5f);
+  GltfOptions equidistant{"", {}, 5}, adaptive, keys;
+  adaptive.largest_deviation = 1e-2;
+  keys.at_keys = true;
+  const std::string said = "left out, with vertices that are not finite or too far away: 2 of 2 in \"node 0";
+  const auto expect_one_left = [&](const Document& d, const GltfOptions& options) {
+    const Scene scene = load(d, options);
+    EXPECT_EQ(scene.meshes.size(), 1u);
+    ASSERT_FALSE(warnings.empty());
+    EXPECT_NE(warnings.back().find(said), std::string::npos) << warnings.back();
+  };
+  for (const Floats& none :
+       {Floats{std::nanf(""), 0, 0, 1}, Floats{0, 0, kInfinity, 1}, Floats{0, 0, 0, 0}}) {
+    Document moving = two_nodes();
+    Floats turns{0, 0, half, half};
+    turns.insert(turns.end(), none.begin(), none.end());
+    turns.insert(turns.end(), {0, 0, half, half});
+    animate(moving, {{"node", 0}, {"path", "rotation"}}, {0, 1, 2}, moving.add<float>("VEC4", 5126, turns));
+    for (const GltfOptions& options : {equidistant, adaptive, keys}) expect_one_left(moving, options);
+
+    Document instances;
+    json& attributes = instances.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+    Floats two{0, 0, half, half};
+    two.insert(two.end(), none.begin(), none.end());
+    attributes["ROTATION"] = instances.add<float>("VEC4", 5126, two);
+    expect_one_left(instances, {});
+    EXPECT_NE(warnings.back().find("\"node 0 [1]\""), std::string::npos) << warnings.back();
+  }
+  Document still = two_nodes();
+  still.root["nodes"][0]["rotation"] = {0, 0, 0, 0};
+  expect_one_left(still, {});
+  still.root["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 1}}}}};
+  still.root["nodes"][0] = {{"camera", 0}, {"rotation", {0, 0, 0, 0}}};
+  EXPECT_TRUE(load(still).is_framed);
+  EXPECT_EQ(expect_one_warning(), "left out: a camera that does not look anywhere");
+}
+
+TEST_F(GltfSceneTest, RotationsOfAnyLengthTurn) {
+  for (const double length : {1e-320, 1e-200, 0.3, 3e38, 1e200, 1.7e308}) {
+    Document d;
+    d.root["nodes"][0]["rotation"] = {0, 0, length, length};  // 90 degrees about z
+    expect_near(load(d).meshes.at(0).steps.at(0)[1], {0, 1, 0});
+    EXPECT_TRUE(warnings.empty());
+  }
+  Document d;
+  const float most = std::numeric_limits<float>::max();
+  animate(d, {{"node", 0}, {"path", "rotation"}}, {0, 1},
+          d.add<float>("VEC4", 5126, {0, 0, 0, most, 0, 0, most, most}));
+  expect_near(load(d, {"", {}, 3}).meshes.at(0).steps.at(1)[1], {std::sqrt(0.5), std::sqrt(0.5), 0});
 }
 
 /// A file of twice as many nodes must not take four times as long: this one would take hours.

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "harness/scenes/subdivision/cage_topology.h"
+#include "harness/scenes/subdivision/degenerate_parts.h"
 #include "tests/harness/test_cages.h"
 
 namespace stbvh::harness {
@@ -349,6 +350,37 @@ TEST(Subdivision, BadCagesAreRefused) {
   }
   EXPECT_NE(refusal(cube(), {11, {}}).find("10 times, not 11"), std::string::npos);
   EXPECT_NE(refusal(grid(20, Boundary::kEdgeOnly), {10, {}}).find("at level 10"), std::string::npos);
+}
+
+TEST(Subdivision, DegeneratePartsAreTakenOut) {
+  SubdivisionCage cage = cube_with_creases(2);
+  cage.holes = {1};
+  const Mesh open = refine(cage, {2, {}});
+  DegenerateParts parts = take_out_degenerate_parts(cage);
+  EXPECT_EQ(parts.faces + parts.creases, 0u);
+  EXPECT_EQ(parts.numbers, (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5}));
+  // Three faces before the second and one behind the last, each in another way; and two diagonals.
+  const std::vector<std::uint32_t> none{5, 6, 0, 1, 0, 2, 3, 3};
+  cage.face_vertices.insert(cage.face_vertices.begin() + 4, none.begin(), none.end());
+  cage.face_sizes = {4, 2, 3, 3, 4, 4, 4, 4, 4, 0};
+  cage.holes = {4, 2, 9};
+  cage.edge_creases.insert(cage.edge_creases.begin(), {{0, 7, 1}, {5, 6, 1}});
+  EXPECT_NE(refusal(cage), "");
+  parts = take_out_degenerate_parts(cage);
+  EXPECT_EQ(parts.faces, 4u);
+  EXPECT_EQ(parts.creases, 2u);
+  EXPECT_EQ(parts.numbers, (std::vector<std::uint32_t>{0, 4, 5, 6, 7, 8}));
+  EXPECT_EQ(cage.holes, (std::vector<std::uint32_t>{1}));
+  const Mesh again = refine(cage, {2, {}});
+  EXPECT_EQ(again.indices, open.indices);
+  EXPECT_TRUE(same_bits(again.steps[0], open.steps[0]));
+}
+
+TEST(Subdivision, CagesThatShowNothingAreOfAKindOfTheirOwn) {
+  SubdivisionCage cage = cube();
+  cage.holes = {0, 1, 2, 3, 4, 5};
+  EXPECT_THROW(refine(cage, {}), InvisibleCage);
+  EXPECT_THROW(refine(square(Boundary::kNone), {}), InvisibleCage);
 }
 
 TEST(Subdivision, LoopSurfacesAndTheFacesThatTrianglesComeOf) {

@@ -11,8 +11,10 @@
 #include "harness/scenes/embree_xml/node.h"
 #include "harness/scenes/embree_xml/problem.h"
 #include "harness/scenes/embree_xml/reader.h"
+#include "harness/scenes/embree_xml/time_seen.h"
 #include "harness/scenes/finite_check.h"
 #include "harness/scenes/gltf/framing.h"
+#include "harness/scenes/light_check.h"
 #include "harness/scenes/obj/obj.h"
 
 namespace stbvh::harness {
@@ -35,36 +37,40 @@ std::string lower_extension(const std::filesystem::path& file) {
   return extension;
 }
 
-/// A moving mesh must be seen for this part of [0, 1], and its range be no longer than that: Debian's Embree
-/// aborts the process while it builds over others.
-constexpr float kLeastTimeSeen = 0x1p-10f, kLongestTimeRange = 16;
-
-bool is_seen(const Mesh& mesh) {
-  const TimeRange& range = mesh.time_range;
-  const float seen = std::min(range.end, 1.0f) - std::max(range.begin, 0.0f);
-  return mesh.is_static() || (seen >= kLeastTimeSeen && range.end - range.begin <= kLongestTimeRange);
+void leave_out_unseen_meshes(Scene& scene, const Warn& warn) {
+  const std::string sentence = unseen_meshes(scene);
+  if (sentence.empty()) return;
+  std::erase_if(scene.meshes, [](const Mesh& mesh) { return !is_seen(mesh); });
+  warn(sentence);
 }
 
-void leave_out_unseen_meshes(Scene& scene, const Warn& warn) {
-  std::string names;
-  for (const Mesh& mesh : scene.meshes) {
-    if (!is_seen(mesh)) names += fmt::format("{}\"{}\"", names.empty() ? "" : ", ", mesh.name);
+/// Each is right by itself; transforms and sums may have made it another.
+void check_lights(const Scene& scene) {
+  for (std::size_t i = 0; i < scene.directional_lights.size(); ++i) {
+    if (const std::string flaw = flaw_of(scene.directional_lights[i]); !flaw.empty())
+      throw Problem(fmt::format("its directional light {} {}", i + 1, flaw));
   }
-  if (names.empty()) return;
-  std::erase_if(scene.meshes, [](const Mesh& mesh) { return !is_seen(mesh); });
-  warn(fmt::format(
-      "Meshes whose time range holds less than {} of [0, 1], or is longer than {}, are left out: {}.",
-      kLeastTimeSeen, kLongestTimeRange, names));
+  if (!scene.environment) return;
+  if (const std::string flaw = flaw_of(scene.environment->radiance); !flaw.empty())
+    throw Problem(fmt::format("its ambient light {}", flaw));
 }
 
 Scene make_scene(FlatScene flat, const CommandList& list, const std::filesystem::path& file,
                  const Warn& warn) {
   Scene scene;
   scene.meshes = std::move(flat.meshes);
+  const std::size_t mesh_count = scene.meshes.size();
+  for (Mesh& mesh : scene.meshes) {
+    if (mesh.is_static()) mesh.time_range = {};  // it is always there
+  }
   leave_out_invalid_triangles(scene, file, warn);
   leave_out_unseen_meshes(scene, warn);
-  if (scene.meshes.empty())
-    throw Problem("nothing in it can be shown: there are no triangles, quads or cages");
+  if (scene.meshes.empty()) {
+    throw Problem(fmt::format(
+        "nothing in it can be shown: {}",
+        mesh_count == 0 ? "there are no triangles, quads or cages to be seen"
+                        : fmt::format("all triangles of its meshes, {}, are left out", mesh_count)));
+  }
   scene.directional_lights = std::move(flat.directional_lights);
   scene.directional_lights.insert(scene.directional_lights.end(), list.directional_lights.begin(),
                                   list.directional_lights.end());
@@ -75,6 +81,7 @@ Scene make_scene(FlatScene flat, const CommandList& list, const std::filesystem:
     ambient = Vec3f{sum.x + a.x, sum.y + a.y, sum.z + a.z};
   }
   if (ambient) scene.environment.emplace().radiance = *ambient;
+  check_lights(scene);
   const std::optional<Camera> camera = chosen_camera(flat, list.camera_name);
   scene.camera = camera_of(list, camera ? *camera : gltf::framing_camera(scene));
   return scene;

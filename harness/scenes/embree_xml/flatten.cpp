@@ -143,22 +143,25 @@ class Flattener {
     });
   }
 
-  /// `is_point`: 1, or 0 for a direction.
-  static Vec3f mapped(Vec3f v, const Placement& placement, double is_point) {
+  static Vec3f mapped_point(Vec3f v, const Placement& placement) {
     if (placement.keys.empty()) return v;
-    const std::array<std::array<double, 4>, 3>& m = placement.keys.front().row;
-    const auto row = [&](std::size_t i) {
-      const double sum = m[i][0] * static_cast<double>(v.x) + m[i][1] * static_cast<double>(v.y) +
-                         m[i][2] * static_cast<double>(v.z) + m[i][3] * is_point;
-      if (is_point != 0 ? !is_within_reach(sum) : !std::isfinite(static_cast<float>(sum)))
-        throw Problem("a transform moves a light or a camera too far away");
-      return static_cast<float>(sum);
-    };
-    return {row(0), row(1), row(2)};
+    const Vec3 p = placement.keys.front().apply(to_double(v));
+    if (!is_within_reach(p)) throw Problem("a transform moves a camera too far away");
+    return to_float(p);
+  }
+
+  /// Its length is kept where floats can say it.
+  static Vec3f mapped_direction(Vec3f v, const Placement& placement) {
+    if (placement.keys.empty()) return v;
+    Affine map = placement.keys.front();
+    for (std::array<double, 4>& row : map.row) row[3] = 0;
+    const Vec3 d = map.apply(to_double(v));
+    const double largest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+    return to_float(largest > kFarthest || largest < 1 / kFarthest ? d * (1 / largest) : d);
   }
 
   void add_light(DirectionalLight light, const Placement& placement) {
-    light.direction = mapped(light.direction, placement, 0);
+    light.direction = mapped_direction(light.direction, placement);
     scene_.directional_lights.push_back(light);
   }
 
@@ -169,9 +172,9 @@ class Flattener {
 
   void add_camera(NamedCamera camera, const Placement& placement) {
     Camera& c = camera.camera;
-    c.position = mapped(c.position, placement, 1);
-    c.target = mapped(c.target, placement, 1);
-    c.up = mapped(c.up, placement, 0);
+    c.position = mapped_point(c.position, placement);
+    c.target = mapped_point(c.target, placement);
+    c.up = mapped_direction(c.up, placement);
     scene_.cameras.push_back(std::move(camera));
   }
 

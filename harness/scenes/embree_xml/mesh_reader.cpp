@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "harness/scenes/reach.h"
+#include "harness/scenes/subdivision/degenerate_parts.h"
 #include "harness/scenes/subdivision/subdivision.h"
 
 namespace stbvh::harness::embree_xml {
@@ -202,11 +203,21 @@ SubdivisionCage read_cage(Document& document, pugi::xml_node element, const Warn
 
 }  // namespace
 
-Mesh read_subdivision_mesh(Document& document, pugi::xml_node element, const Warn& warn) {
-  const SubdivisionCage cage = read_cage(document, element, warn);
+Mesh read_subdivision_mesh(Document& document, pugi::xml_node element, const Warn& warn, CageLosses& losses) {
+  SubdivisionCage cage = read_cage(document, element, warn);
   if (cage.face_sizes.empty()) return {};
+  check_indices(element, cage.face_vertices, cage.steps.front().size());
+  const DegenerateParts parts = take_out_degenerate_parts(cage);
+  losses.faces += parts.faces;
+  losses.creases += parts.creases;
   try {
-    return refine(cage, RefinementTarget{});
+    if (cage.face_sizes.empty()) throw InvisibleCage("all faces of the cage are degenerate");
+    Mesh mesh = refine(cage, RefinementTarget{});
+    for (std::uint32_t& face : mesh.faces) face = parts.numbers[face];
+    return mesh;
+  } catch (const InvisibleCage&) {
+    ++losses.cages;
+    return {};
   } catch (const std::invalid_argument& bad_cage) {
     fail(element, "a <SubdivisionMesh> cannot be refined: {}", bad_cage.what());
   }

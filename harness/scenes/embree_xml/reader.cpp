@@ -11,6 +11,7 @@
 #include "harness/scenes/embree_xml/document.h"
 #include "harness/scenes/embree_xml/material.h"
 #include "harness/scenes/embree_xml/mesh_reader.h"
+#include "harness/scenes/light_check.h"
 #include "harness/scenes/reach.h"
 #include "harness/scenes/scene_file.h"
 
@@ -33,10 +34,17 @@ class Reader {
       warn_(fmt::format("{}: left out, as it cannot be shown: {}.", file_.string(), list));
     }
     materials_.tell_undefined(file_);
+    tell(losses_.cages, "cages without a face to show");
+    tell(losses_.faces, "faces of cages with fewer than three corners, or one corner twice");
+    tell(losses_.creases, "creases of cages where no edge is");
     return scene;
   }
 
  private:
+  void tell(std::size_t count, const char* what) {
+    if (count > 0) warn_(fmt::format("{}: left out: {}: {}.", file_.string(), what, count));
+  }
+
   /// A node, or null where there is nothing to show.
   NodePtr read(pugi::xml_node element) {
     const std::string_view name = element.name();
@@ -58,7 +66,8 @@ class Reader {
     if (name == "MultiTransform") return instances(element);
     if (name == "TriangleMesh") return mesh(element, read_triangle_mesh(document_, element));
     if (name == "QuadMesh") return mesh(element, read_quad_mesh(document_, element));
-    if (name == "SubdivisionMesh") return mesh(element, read_subdivision_mesh(document_, element, warn_));
+    if (name == "SubdivisionMesh")
+      return mesh(element, read_subdivision_mesh(document_, element, warn_, losses_));
     if (name == "QuadLight") return lamp(element, read_quad_light(document_, element));
     if (name == "TriangleLight") return lamp(element, read_triangle_light(document_, element));
     if (name == "AmbientLight") return make_leaf(AmbientLight{read_color(document_, element, "L")});
@@ -188,17 +197,16 @@ class Reader {
     DirectionalLight light;
     light.direction = {static_cast<float>(space.row[0][2]), static_cast<float>(space.row[1][2]),
                        static_cast<float>(space.row[2][2])};
-    if (light.direction.x == 0 && light.direction.y == 0 && light.direction.z == 0)
-      fail(element, "a <{}> has no direction", name);
     if (name == "DirectionalLight") {
       light.irradiance = read_color(document_, element, "E");
-      return make_leaf(light);
+    } else {
+      const std::vector<float> angle = document_.floats(element.child("halfAngle"), 1);
+      if (angle.size() != 1 || !is_half_angle(angle[0]))
+        fail(element, "a <DistantLight> needs a halfAngle above 0 and up to 90 degrees");
+      light.irradiance = scaled(read_color(document_, element, "L"), projected_solid_angle(angle[0]));
+      light.half_angle_degrees = angle[0];
     }
-    const std::vector<float> angle = document_.floats(element.child("halfAngle"), 1);
-    if (angle.size() != 1 || !(angle[0] > 0 && angle[0] <= 90))
-      fail(element, "a <DistantLight> needs a halfAngle above 0 and up to 90 degrees");
-    light.irradiance = scaled(read_color(document_, element, "L"), projected_solid_angle(angle[0]));
-    light.half_angle_degrees = angle[0];
+    if (const std::string flaw = flaw_of(light); !flaw.empty()) fail(element, "a <{}> {}", name, flaw);
     return make_leaf(light);
   }
 
@@ -228,6 +236,7 @@ class Reader {
   MaterialReader materials_;
   std::map<std::string, NodePtr> by_id_;
   std::map<std::string, std::size_t> left_out_;  ///< how many of each kind of element
+  CageLosses losses_;
   std::size_t depth_ = 0;
   std::size_t unnamed_ = 0;
 };

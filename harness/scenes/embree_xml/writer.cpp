@@ -10,6 +10,9 @@
 
 #include "harness/scenes/default_sun.h"
 #include "harness/scenes/embree_xml/disc_light.h"
+#include "harness/scenes/embree_xml/time_seen.h"
+#include "harness/scenes/light_check.h"
+#include "harness/scenes/reach.h"
 #include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {
@@ -27,12 +30,26 @@ std::string words(Vec3f v) {
 }
 
 /// For attributes, in which Embree's loader refuses numbers below the least normal float.
-float without_denormal(float x) {
+float normal(float x) {
   return std::fpclassify(x) == FP_SUBNORMAL ? 0.0f : x;
 }
 
-std::string attribute(Vec3f v) {
-  return words({without_denormal(v.x), without_denormal(v.y), without_denormal(v.z)});
+Vec3f normal(Vec3f v) {
+  return {normal(v.x), normal(v.y), normal(v.z)};
+}
+
+float largest(Vec3f v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+/// Cameras that are nearer to the origin are written larger: denormals times this are normal.
+constexpr float kTiny = 0x1p-62f;
+constexpr double kTinyScale = 0x1p-64;
+
+/// A direction as it is or, where readers may stumble over its length, of unit length.
+Vec3f moderate(Vec3f direction) {
+  const float size = largest(direction);
+  return size > 0x1p-32f && size < 0x1p32f ? direction : to_float(normalize(to_double(direction)));
 }
 
 bool is_black(Vec3f v) {
@@ -47,6 +64,18 @@ bool has_light(const Scene& scene) {
 
 DirectionalLight default_sun(const Camera& camera) {
   return {.direction = to_float(-normalize(to_default_sun(camera))), .irradiance = kSunIrradiance};
+}
+
+/// Of the disc; read back it gives a finite irradiance again, also where rounding would make that infinite.
+Vec3f radiance_of(const DirectionalLight& light) {
+  const double angle = projected_solid_angle(light.half_angle_degrees);
+  const auto channel = [&](float irradiance) {
+    const auto radiance = static_cast<float>(static_cast<double>(irradiance) / angle);
+    const bool is_read_as_infinite =
+        std::isfinite(radiance) && !std::isfinite(static_cast<float>(static_cast<double>(radiance) * angle));
+    return is_read_as_infinite ? std::nextafter(radiance, 0.0f) : radiance;
+  };
+  return {channel(light.irradiance.x), channel(light.irradiance.y), channel(light.irradiance.z)};
 }
 
 /// The mean over all directions.
@@ -71,14 +100,21 @@ class Writer {
     in_text_ = scene.buffer_bytes() <= kMostTextBytes;
   }
 
+  /// One that can be read again: not what Embree cannot show, and nothing where that is all.
+
   EmbreeXml write() {
     line("<?xml version=\"1.0\"?>\n<scene>");
     camera();
     lights();
+    bool is_empty = true;
     for (const Mesh& mesh : scene_.meshes) {
-      if (mesh.triangle_count() > 0) add_mesh(mesh);
+      if (mesh.triangle_count() == 0 || !is_seen(mesh)) continue;
+      is_empty = false;
+      add_mesh(mesh);
     }
     line("</scene>");
+    if (const std::string sentence = unseen_meshes(scene_); !sentence.empty()) warn(sentence);
+    if (is_empty) throw SceneFileError(fmt::format("{}: there is no mesh to write", scene_.name));
     return std::move(result_);
   }
 
@@ -92,11 +128,27 @@ class Writer {
     if (warn_) warn_(sentence);
   }
 
+  /// Where all of it is next to the origin it is written larger, in a transform that makes it small again.
   void camera() {
-    const Camera& c = scene_.camera;
     if (!scene_.camera_steps.empty()) warn("The camera moves; it is written where it is at first.");
+    const Camera& c = scene_.camera;
+    const bool is_tiny = std::max(largest(c.position), largest(c.target)) < kTiny;
+    const double scale = is_tiny ? kTinyScale : 1;
+    const Vec3 from = to_double(c.position) * (1 / scale), to = to_double(c.target) * (1 / scale);
+    const double share = share_within_reach(from, to - from);
+    const Camera written{.position = normal(to_float(from)),
+                         .target = normal(to_float(share < 1 ? from + (to - from) * share : to)),
+                         .up = normal(moderate(c.up)),
+                         .vertical_fov_degrees = c.vertical_fov_degrees};
+    if (!looks_somewhere(c) || !looks_somewhere(written) || !is_within_reach(from)) {
+      warn("The camera is not written: it does not look anywhere, or is too far away.");
+      return;
+    }
+    if (is_tiny) line(fmt::format(R"(<Transform><AffineSpace scale="{0} {0} {0}"/>)", float{kTinyScale}));
     line(fmt::format(R"(<PerspectiveCamera name="default" from="{}" to="{}" up="{}" fov="{}"/>)",
-                     attribute(c.position), attribute(c.target), attribute(c.up), c.vertical_fov_degrees));
+                     words(written.position), words(written.target), words(written.up),
+                     written.vertical_fov_degrees));
+    if (is_tiny) line("</Transform>");
   }
 
   void lights() {
@@ -105,11 +157,22 @@ class Writer {
       ambient_light(kSkyRadiance);
       return;
     }
-    for (const DirectionalLight& light : scene_.directional_lights) directional_light(light);
+    for (const DirectionalLight& light : scene_.directional_lights) {
+      if (const std::string flaw = flaw_of(light); flaw.empty()) {
+        directional_light(light);
+      } else {
+        warn(fmt::format("A directional light is not written: it {}.", flaw));
+      }
+    }
     if (!scene_.point_lights.empty()) warn("Lights from points are not written.");
     if (!scene_.environment) return;
     if (scene_.environment->width > 0) warn("The environment is a picture; its mean is written.");
-    ambient_light(mean_radiance(*scene_.environment));
+    const Vec3f mean = mean_radiance(*scene_.environment);
+    if (const std::string flaw = flaw_of(mean); flaw.empty()) {
+      ambient_light(mean);
+    } else {
+      warn(fmt::format("The environment is not written: it {}.", flaw));
+    }
   }
 
   void ambient_light(Vec3f radiance) {
@@ -123,11 +186,11 @@ class Writer {
     const Vec3f fx = to_float(x), fy = to_float(y), fz = light.direction;
     const std::string space = fmt::format("<AffineSpace>{} {} {} 0 {} {} {} 0 {} {} {} 0</AffineSpace>", fx.x,
                                           fy.x, fz.x, fx.y, fy.y, fz.y, fx.z, fy.z, fz.z);
-    if (light.half_angle_degrees > 0) {
-      const double radiance = 1 / projected_solid_angle(light.half_angle_degrees);
+    const Vec3f radiance = radiance_of(light);
+    if (light.half_angle_degrees > 0 && flaw_of(radiance).empty()) {
       line(fmt::format("<DistantLight>{}<L>{}</L><halfAngle>{}</halfAngle></DistantLight>", space,
-                       words(scaled(light.irradiance, radiance)), light.half_angle_degrees));
-    } else {
+                       words(radiance), light.half_angle_degrees));
+    } else {  // a point of light, or too small a disc for what it shines with
       line(fmt::format("<DirectionalLight>{}<E>{}</E></DirectionalLight>", space, words(light.irradiance)));
     }
   }
@@ -159,7 +222,7 @@ class Writer {
         add("float", "etaInside", fmt::format("{}", m.index_of_refraction));
         break;
     }
-    if (!is_black(m.emission)) {
+    if (!is_black(m.emission) && flaw_of(m.emission).empty()) {
       add("float3", "emission", words(m.emission));
       if (!std::exchange(warned_of_emission_, true))
         warn("Meshes that emit light stay dark in Embree's tools.");
@@ -190,10 +253,10 @@ class Writer {
           return c < ' ' || c > '~' || std::string_view("&<>\"'").find(c) != std::string_view::npos;
         },
         '_');
-    const bool has_range = mesh.time_range.begin != 0 || mesh.time_range.end != 1;
+    const bool has_range = !mesh.is_static() && (mesh.time_range.begin != 0 || mesh.time_range.end != 1);
     if (has_range)
-      line(fmt::format(R"(<TimeRange time="{} {}">)", without_denormal(mesh.time_range.begin),
-                       without_denormal(mesh.time_range.end)));
+      line(fmt::format(R"(<TimeRange time="{} {}">)", normal(mesh.time_range.begin),
+                       normal(mesh.time_range.end)));
     line(fmt::format(R"(<TriangleMesh name="{}">)", name));
     line(material(mesh.material));
     if (!mesh.is_static()) line("<animated_positions>");

@@ -24,7 +24,9 @@ std::filesystem::path embree_binary_file(const std::filesystem::path& xml_file);
 /// What Embree's pathtracer and viewer show much as we do; read back, its meshes are bit for bit those of
 /// `scene`, which have equidistant steps, kMaxSceneSteps at most. A scene without any light gets a sun and a
 /// sky. What the format has no word for is told to `warn`: a picture as environment becomes its mean;
-/// emission is written, but only load_embree_xml() heeds it. Masks are not written.
+/// emission is written, but only load_embree_xml() heeds it. Masks are not written. So is what
+/// load_embree_xml() would refuse or leave out: lights, cameras and meshes that nothing can be done with.
+/// Throws SceneFileError where no mesh is left.
 EmbreeXml to_embree_xml(const Scene& scene, const SceneWarning& warn = {});
 
 }  // namespace stbvh::harness

@@ -6,7 +6,8 @@
 namespace stbvh::harness::gltf {
 
 /// Looks from the front right and a little above (glTF's front is +z), as near as it can with every vertex of
-/// every step in a picture of kPictureAspect. The default camera for a scene without extent.
+/// every step in a picture of kPictureAspect; nearer where that would be too far away for a camera. The
+/// default camera for a scene without extent.
 Camera framing_camera(const Scene& scene);
 
 }  // namespace stbvh::harness::gltf

@@ -8,6 +8,8 @@
 
 #include "harness/scenes/gltf/framing.h"
 #include "harness/scenes/gltf/problem.h"
+#include "harness/scenes/light_check.h"
+#include "harness/scenes/reach.h"
 #include "harness/scenes/vec3.h"
 
 namespace stbvh::harness::gltf {
@@ -17,12 +19,6 @@ constexpr double kDegreesPerRadian = 180 / kPi;
 
 Vec3 column(const Affine& map, std::size_t i) {
   return {map.row[0][i], map.row[1][i], map.row[2][i]};
-}
-
-/// As float, and small enough to be computed with.
-bool is_usable(Vec3 v) {
-  const auto is_small = [](double x) { return std::abs(x) < static_cast<double>(kMaxCoordinate); };
-  return is_small(v.x) && is_small(v.y) && is_small(v.z);
 }
 
 /// The middle of the scene's bounds.
@@ -35,12 +31,14 @@ Vec3 middle(const Scene& scene) {
 /// where the node leaves it no direction.
 std::optional<Camera> camera_of(const Affine& node, double vertical_fov, Vec3 middle_of_scene) {
   const Vec3 position = column(node, 3), back = column(node, 2), up = column(node, 1);
-  if (!is_usable(position) || !is_usable(back) || !is_usable(up)) return std::nullopt;
+  if (!is_within_reach(position) || !is_within_reach(back) || !is_within_reach(up) || !(length(back) > 0))
+    return std::nullopt;
   const Vec3 forward = normalize(-back);
   const double depth = dot(middle_of_scene - position, forward);
+  const Vec3 way = forward * (depth > 0 ? depth : 1);
   Camera camera;
   camera.position = to_float(position);
-  camera.target = to_float(position + forward * (depth > 0 ? depth : 1));
+  camera.target = to_float(position + way * share_within_reach(position, way));
   camera.up = to_float(normalize(up));
   camera.vertical_fov_degrees = static_cast<float>(vertical_fov * kDegreesPerRadian);
   if (!looks_somewhere(camera)) return std::nullopt;
@@ -112,20 +110,26 @@ void add_camera(const Model& model, const Timeline& timeline, const std::vector<
   if (path.size() > 1) scene.camera_steps = std::move(path);
 }
 
-/// A light that stands still, of intensity `light.intensity` along -z of its node.
-void add_light(const Model::Light& light, const Affine& node, Scene& scene) {
-  const Vec3f direction = to_float(normalize(-column(node, 2)));
+/// A light that stands still, of intensity `light.intensity` along -z of its node. False: it has no place, or
+/// no direction where it needs one.
+bool add_light(const Model::Light& light, const Affine& node, Scene& scene) {
+  const Vec3 position = column(node, 3), back = column(node, 2);
+  if (!is_within_reach(position) || !is_within_reach(back)) return false;
+  const Vec3f direction = length(back) > 0 ? to_float(normalize(-back)) : Vec3f{0, 0, 0};
+  const DirectionalLight directional{.direction = direction, .irradiance = light.intensity};
+  if (light.kind != Model::Light::Kind::kPoint && !flaw_of(directional).empty()) return false;
   if (light.kind == Model::Light::Kind::kDirectional) {
-    scene.directional_lights.push_back({.direction = direction, .irradiance = light.intensity});
-    return;
+    scene.directional_lights.push_back(directional);
+    return true;
   }
-  PointLight point{.position = to_float(column(node, 3)), .intensity = light.intensity};
+  PointLight point{.position = to_float(position), .intensity = light.intensity};
   if (light.kind == Model::Light::Kind::kSpot) {
     point.axis = direction;
     point.inner_angle_degrees = static_cast<float>(light.inner_cone * kDegreesPerRadian);
     point.outer_angle_degrees = static_cast<float>(light.outer_cone * kDegreesPerRadian);
   }
   scene.point_lights.push_back(point);
+  return true;
 }
 
 void add_lights(const Model& model, const Timeline& timeline, const std::vector<std::size_t>& nodes,
@@ -142,20 +146,19 @@ void add_lights(const Model& model, const Timeline& timeline, const std::vector<
     if (*index >= model.lights.size()) fail("node {} refers to the missing light {}", node, *index);
     if (!timeline.is_instant() && (rig.moves(node) || rig.blinks(node))) ++moving;
     if (!pose.visible[rig.slot(node)]) continue;
-    const Affine& world = pose.world[rig.slot(node)];
-    if (!is_usable(column(world, 3)) || !is_usable(column(world, 2))) {
+    const Model::Light& light = model.lights[*index];
+    if (!add_light(light, pose.world[rig.slot(node)], scene)) {
       ++nowhere;
-      continue;
+    } else if (light.range > 0) {
+      ++with_range;
     }
-    if (model.lights[*index].range > 0) ++with_range;
-    add_light(model.lights[*index], world, scene);
   }
   const auto tell = [&](std::size_t count, const char* what) {
     if (count > 0) warn(fmt::format("{}: {} light{}", what, count, count == 1 ? "" : "s"));
   };
   tell(moving, "standing still as when the shutter opens, although the animation moves or hides them");
   tell(with_range, "shown without their range");
-  tell(nowhere, "left out, as their places are not finite");
+  tell(nowhere, "left out, as their places are not finite, or they have no direction");
 }
 
 }  // namespace

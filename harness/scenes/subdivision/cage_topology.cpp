@@ -167,7 +167,7 @@ CageTopology refine_topology(const SubdivisionCage& cage, unsigned level) {
   check_cancelled();
   CageTopology result;
   add_triangles(*refiner, static_cast<int>(level), result);
-  if (result.indices.empty()) fail("all faces of the cage are holes or lie at a border");
+  if (result.indices.empty()) throw InvisibleCage("all faces of the cage are holes or lie at a border");
   if (level == 0) use_child_vertices(refiner->GetLevel(0), result.indices);
 
   const Far::TopologyLevel& last = refiner->GetLevel(static_cast<int>(refined_level));

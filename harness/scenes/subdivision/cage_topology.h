@@ -33,8 +33,8 @@ struct CageTopology {
 /// The faces of the level, before holes are taken out.
 std::size_t refined_face_count(const SubdivisionCage& cage, unsigned level);
 
-/// For a cage that check_cage() took. Throws std::invalid_argument where OpenSubdiv cannot take it, and where
-/// no face is left.
+/// For a cage that check_cage() took. Throws std::invalid_argument where OpenSubdiv cannot take it, and
+/// InvisibleCage where no face is left.
 CageTopology refine_topology(const SubdivisionCage& cage, unsigned level);
 
 }  // namespace stbvh::harness::subdivision

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <stdexcept>
 #include <vector>
 
 #include "harness/scenes/scene.h"
@@ -55,12 +56,18 @@ struct RefinementTarget {
   std::optional<float> edge_length;
 };
 
+/// A cage that is sound but shows nothing: all its faces are holes, or lie at a border that ends before them.
+struct InvisibleCage : std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
+
 /// Indices and steps of a mesh on the limit surface of the cage (Catmull and Clark 1978, creases by DeRose
 /// et al. 1998), by OpenSubdiv: the same level everywhere, the same topology in all steps, each vertex at its
 /// limit position (creases that are left at the last level count as sharp for ever). The refinement is worked
 /// out once, and applied to the steps in parallel; the result does not depend on the number of threads.
 /// Vertices that no triangle uses are left out; at level 0 the others stand in the cage's order. Throws
-/// std::invalid_argument, in one sentence, for cages that are not sound and for targets beyond these limits.
+/// std::invalid_argument, in one sentence, for cages that are not sound and for targets beyond these limits;
+/// InvisibleCage where no triangle is left.
 Mesh refine(const SubdivisionCage& cage, const RefinementTarget& target);
 
 }  // namespace stbvh::harness
