@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <set>
 #include <unordered_set>
 #include <utility>
 
@@ -63,6 +64,14 @@ Rig::Rig(const Rig& whole, std::vector<std::size_t> nodes, std::vector<std::size
       skins_(whole.skins_),
       nodes_(std::move(nodes)),
       skin_slots_(std::move(skins)) {
+  for (const std::size_t node : nodes_) {
+    const auto own = whole.channels_of(node);
+    channels_.insert(channels_.end(), own.begin(), own.end());
+  }
+  find_what_moves();
+}
+
+std::span<const Channel* const> Rig::channels_of(std::size_t node) const {
   struct ByRank {
     const NodeTree& tree;
     bool operator()(const Channel* channel, std::size_t rank) const {
@@ -72,29 +81,31 @@ Rig::Rig(const Rig& whole, std::vector<std::size_t> nodes, std::vector<std::size
       return rank < tree.rank(channel->target.node);
     }
   };
-  for (const std::size_t node : nodes_) {
-    const auto [first, last] =
-        std::equal_range(whole.channels_.begin(), whole.channels_.end(), tree_.rank(node), ByRank{tree_});
-    channels_.insert(channels_.end(), first, last);
-  }
-  find_what_moves();
+  const auto [first, last] =
+      std::equal_range(channels_.begin(), channels_.end(), tree_.rank(node), ByRank{tree_});
+  return {first, last};
 }
 
 Rig Rig::part(std::size_t node, std::optional<std::size_t> skin) const {
+  const Follows mesh{node, skin};
+  return part({&mesh, 1});
+}
+
+Rig Rig::part(std::span<const Follows> meshes) const {
   std::unordered_set<std::size_t> found;
   const auto add_with_parents = [&](std::size_t at) {
     while (at != NodeTree::kNoParent && found.insert(at).second) at = tree_.parent(at);
   };
-  add_with_parents(node);
-  std::vector<std::size_t> skins;
-  if (skin) {
-    skins.push_back(*skin);
-    for (const std::size_t joint : skins_[*skin].nodes) add_with_parents(joint);
+  std::set<std::size_t> skins;
+  for (const Follows& mesh : meshes) {
+    add_with_parents(mesh.node);
+    if (!mesh.skin || !skins.insert(*mesh.skin).second) continue;
+    for (const std::size_t joint : skins_[*mesh.skin].nodes) add_with_parents(joint);
   }
   std::vector<std::size_t> nodes(found.begin(), found.end());
   std::sort(nodes.begin(), nodes.end(),
             [&](std::size_t a, std::size_t b) { return tree_.rank(a) < tree_.rank(b); });
-  return {*this, std::move(nodes), std::move(skins)};
+  return {*this, std::move(nodes), {skins.begin(), skins.end()}};
 }
 
 void Rig::find_what_moves() {
@@ -114,6 +125,11 @@ void Rig::find_what_moves() {
     if (moves_[parent]) moves_[i] = true;
     if (blinks_[parent]) blinks_[i] = true;
   }
+  for (const std::size_t skin : skin_slots_) {
+    const std::vector<std::size_t>& joints = skins_[skin].nodes;
+    moves_skins_.push_back(
+        std::any_of(joints.begin(), joints.end(), [&](std::size_t joint) { return moves(joint); }));
+  }
 }
 
 std::size_t Rig::slot(std::size_t node) const {
@@ -130,17 +146,11 @@ std::size_t Rig::skin_slot(std::size_t skin) const {
 }
 
 bool Rig::moves_mesh(std::size_t node, std::optional<std::size_t> skin) const {
-  const auto at = [&](const Channel* channel) { return tree_.rank(channel->target.node); };
-  const auto first = std::partition_point(channels_.begin(), channels_.end(), [&](const Channel* channel) {
-    return at(channel) < tree_.rank(node);
-  });
-  for (auto channel = first; channel != channels_.end() && (*channel)->target.node == node; ++channel) {
-    const AnimatedProperty property = (*channel)->target.property;
+  for (const Channel* channel : channels_of(node)) {
+    const AnimatedProperty property = channel->target.property;
     if (property == AnimatedProperty::kWeights || property == AnimatedProperty::kWeight) return true;
   }
-  if (!skin) return moves(node);
-  const std::vector<std::size_t>& joints = skins_[*skin].nodes;
-  return std::any_of(joints.begin(), joints.end(), [&](std::size_t joint) { return moves(joint); });
+  return skin ? moves_skins_[skin_slot(*skin)] : moves(node);
 }
 
 /// As in the file.

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "harness/scenes/gltf/clip.h"
@@ -33,8 +34,14 @@ class Rig {
   /// Of a whole file. `skins` is indexed as there; those that are not used may be empty.
   Rig(const Model& model, const NodeTree& tree, const Clip* clip, const std::vector<Skin>& skins);
 
-  /// What the mesh of `node` follows, with that skin if there is one.
+  /// What a mesh follows: its node, and its skin if there is one.
+  struct Follows {
+    std::size_t node;
+    std::optional<std::size_t> skin;
+  };
+  /// What one mesh follows, or some of them together.
   Rig part(std::size_t node, std::optional<std::size_t> skin) const;
+  Rig part(std::span<const Follows> meshes) const;
 
   /// The place of a node of the file in a pose.
   std::size_t slot(std::size_t node) const;
@@ -51,6 +58,8 @@ class Rig {
 
   /// Ordered by the rank of what they move.
   const std::vector<const Channel*>& channels() const { return channels_; }
+  /// Those of one node, in the order of the file: the last of a property has its way.
+  std::span<const Channel* const> channels_of(std::size_t node) const;
 
  private:
   Rig(const Rig& whole, std::vector<std::size_t> nodes, std::vector<std::size_t> skins);
@@ -64,6 +73,7 @@ class Rig {
   std::vector<std::size_t> skin_slots_;  ///< which skins, ascending
   std::vector<const Channel*> channels_;
   std::vector<bool> moves_, blinks_;
+  std::vector<bool> moves_skins_;  ///< by skin slot
 };
 
 }  // namespace stbvh::harness::gltf
