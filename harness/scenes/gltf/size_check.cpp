@@ -19,20 +19,26 @@ constexpr double kMaxExpansion = 300;
 constexpr double kFreeBytes = 1 << 30;
 /// Of a mesh without vertices: names, buffers, what structures keep of it.
 constexpr double kMeshBytes = 1024;
+/// Of a channel for each node that it moves.
+constexpr std::size_t kChannelBytes = 32;
 
 /// Sums up bytes; in double precision, which no count of a file can overflow.
 class SizeCheck {
  public:
   SizeCheck(const Model& model, const NodeTree& tree, const ClipSource* clip, std::size_t steps)
-      : model_(model), steps_(static_cast<double>(steps)), moves_(find_what_moves(model, tree, clip)) {
-    has_clip_ = clip != nullptr;
-  }
+      : model_(model),
+        targets_(model),
+        steps_(static_cast<double>(steps)),
+        moves_(find_what_moves(tree, clip)),
+        has_clip_(clip != nullptr) {}
 
   void add_keys(const ClipSource& clip) {
     for (const ClipSource::Channel& channel : clip.channels) {
       add_numbers(channel.sampler.input, "animation times");
       add_numbers(channel.sampler.output, "animation values");
+      bytes_ += static_cast<double>(targets_.of(channel.target).size() * kChannelBytes);
     }
+    add_poses(clip);
   }
 
   void add_node(std::size_t index, const Visibility* visibility) {
@@ -62,16 +68,31 @@ class SizeCheck {
 
  private:
   /// Of each node, whether a channel moves it or one above it.
-  static std::vector<bool> find_what_moves(const Model& model, const NodeTree& tree, const ClipSource* clip) {
-    std::vector<bool> moves(model.nodes.size(), false);
+  std::vector<bool> find_what_moves(const NodeTree& tree, const ClipSource* clip) const {
+    std::vector<bool> moves(model_.nodes.size(), false);
     if (clip == nullptr) return moves;
     for (const ClipSource::Channel& channel : clip->channels) {
-      if (channel.target.property != AnimatedProperty::kVisibility) moves[channel.target.node] = true;
+      if (channel.target.property == AnimatedProperty::kVisibility) continue;
+      for (const std::size_t node : targets_.of(channel.target)) moves[node] = true;
     }
     for (const std::size_t node : tree.parents_first()) {
       if (tree.parent(node) != NodeTree::kNoParent && moves[tree.parent(node)]) moves[node] = true;
     }
     return moves;
+  }
+
+  /// Weights that move, of all nodes at the time of each step.
+  void add_poses(const ClipSource& clip) {
+    std::vector<bool> has_weights(model_.nodes.size(), false);
+    for (const ClipSource::Channel& channel : clip.channels) {
+      const AnimatedProperty property = channel.target.property;
+      if (property != AnimatedProperty::kWeights && property != AnimatedProperty::kWeight) continue;
+      for (const std::size_t node : targets_.of(channel.target)) has_weights[node] = true;
+    }
+    for (std::size_t node = 0; node < has_weights.size(); ++node) {
+      if (has_weights[node])
+        bytes_ += static_cast<double>(target_count(model_, node) * sizeof(double)) * steps_;
+    }
   }
 
   double count(std::size_t accessor, std::string_view use) const {
@@ -106,7 +127,8 @@ class SizeCheck {
       add_geometry(primitive, is_skinned);
       ++mesh.primitives;
       mesh.index_bytes += index_count(primitive) * sizeof(std::uint32_t);
-      mesh.step_bytes += count(primitive.attributes.at("POSITION"), "POSITION") * sizeof(Vec3f);
+      mesh.step_bytes += count(primitive.attributes.at("POSITION"), "POSITION") * sizeof(Vec3f) +
+                         static_cast<double>(primitive.targets.size() * sizeof(double));
     }
     return mesh;
   }
@@ -140,9 +162,10 @@ class SizeCheck {
   }
 
   const Model& model_;
+  const TargetNodes targets_;
   const double steps_;
   const std::vector<bool> moves_;
-  bool has_clip_ = false;
+  const bool has_clip_;
   // Whose own data is counted already; of meshes with and without skin.
   std::map<std::pair<std::size_t, bool>, MeshSize> meshes_;
   std::set<std::size_t> skins_;
