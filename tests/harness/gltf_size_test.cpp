@@ -131,6 +131,52 @@ TEST_F(GltfSizeTest, ManyNodesWithAMeshOfManyPrimitives) {
   expect_too_large(d);
 }
 
+TEST_F(GltfSizeTest, OfBuffersNoMoreIsReadThanTheyAreLong) {
+  Document d;
+  write("big.bin", d.binary);
+  fs::resize_file(folder / "big.bin", std::size_t{4'000'000'000});  // takes no room on the disk
+  fs::create_symlink("big.bin", folder / "link.bin");
+  d.root["buffers"][0]["uri"] = "big.bin";
+  const json first = d.root["buffers"][0], accessor = d.root["accessors"][0];
+  for (const char* uri : {"big.bin", "./big.bin", "%62ig.bin", "link.bin"}) {
+    const std::size_t number = d.root["buffers"].size();
+    json& buffer = d.root["buffers"].emplace_back(first);
+    buffer["uri"] = uri;
+    buffer["byteLength"] = 48 + number;  // each longer than the last
+    d.root["bufferViews"].push_back({{"buffer", number}, {"byteLength", 48}});
+    d.root["accessors"].push_back(accessor);
+    d.root["accessors"].back()["bufferView"] = d.root["bufferViews"].size() - 1;
+    d.primitive()["attributes"]["POSITION"] = d.root["accessors"].size() - 1;
+    EXPECT_EQ(load_gltf(write("file.gltf", d.root.dump())).meshes.at(0).steps.at(0)[2].y, 1) << uri;
+  }
+  // Together longer than what may be read, if there were as much.
+  for (const json& whole : {json("big.bin"), json("nowhere.bin")}) {
+    d.root["buffers"][0]["uri"] = whole;
+    d.root["buffers"][0]["byteLength"] = std::uint64_t{1} << 60;
+    EXPECT_EQ(refusal(write("file.gltf", d.root.dump())), "its buffers have more than 24 GB");
+  }
+}
+
+/// What is in memory once may not make a file larger than it is.
+TEST_F(GltfSizeTest, ABufferThatIsNamedOftenCountsOnce) {
+  Document d;
+  grow(d, 1'000'000'000);
+  d.root["buffers"][0] = {{"uri", "some.bin"}, {"byteLength", 2'000'000}};
+  write("some.bin", d.binary + std::string(2'000'000, '\0'));
+  const json buffer = d.root["buffers"][0], view = d.root["bufferViews"][0],
+             accessor = d.root["accessors"][0];
+  for (std::size_t i = 1; i < 10; ++i) {
+    d.root["buffers"].push_back(buffer);
+    d.root["bufferViews"].push_back(view);
+    d.root["bufferViews"].back()["buffer"] = i;
+    d.root["accessors"].push_back(accessor);
+    d.root["accessors"].back()["bufferView"] = d.root["bufferViews"].size() - 1;
+  }
+  const fs::path file = write("file.gltf", d.root.dump());
+  const std::size_t bytes = fs::file_size(file) + 2'000'000;
+  expect_refused(file, "a file of " + std::to_string(bytes) + " bytes may need");
+}
+
 /// So many targets that they are nothing in the file, but not in the poses of many nodes.
 TEST_F(GltfSizeTest, WeightsOfManyNodes) {
   Document d;

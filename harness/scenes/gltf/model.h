@@ -4,7 +4,9 @@
 #include <array>
 #include <cstddef>
 #include <map>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,7 +34,8 @@ struct Model {
   using Attributes = std::map<std::string, std::size_t>;  ///< accessors by name
 
   struct Buffer {
-    std::vector<unsigned char> bytes;
+    std::shared_ptr<const std::vector<unsigned char>> source;  ///< one for all buffers of a URI
+    std::span<const unsigned char> bytes;                      ///< the first of it
     std::string problem;  ///< why there are none; of concern only where they are used
   };
   struct BufferView {
