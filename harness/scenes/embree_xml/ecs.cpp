@@ -21,9 +21,7 @@ namespace fs = std::filesystem;
 /// Most lists that one names with -c, and those with theirs.
 constexpr std::size_t kMostLists = 100;
 
-constexpr std::string_view kWordEnds = " \t\r\v\f#";
-
-/// Words are separated by blanks, but in double quotes, and go up to a comment.
+/// Words are separated by blanks, but in double quotes. A # that begins a word begins a comment.
 std::deque<std::string> words_of(const fs::path& file) {
   const std::string text = read_text_file(file, kMaxHandwrittenBytes);
   std::deque<std::string> words;
@@ -33,7 +31,7 @@ std::deque<std::string> words_of(const fs::path& file) {
          line = without_leading_blanks(line)) {
       const bool is_quoted = line.front() == '"';
       if (is_quoted) line.remove_prefix(1);
-      const std::size_t end = is_quoted ? line.find('"') : line.find_first_of(kWordEnds);
+      const std::size_t end = is_quoted ? line.find('"') : line.find_first_of(kBlanks);
       const std::string_view word = line.substr(0, end);
       if (is_quoted && end == line.npos)
         throw Problem(fmt::format("the quote before {} is not closed", word));

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstring>
 #include <limits>
+#include <span>
 
 #include "harness/scenes/gltf/problem.h"
 
@@ -42,7 +43,7 @@ Elements locate(const Model& model, std::size_t view_index, std::size_t offset, 
     fail("buffer view {} refers to the missing buffer {}", view_index, view.buffer);
   if (const std::string& problem = model.buffers[view.buffer].problem; !problem.empty())
     throw Problem(problem);
-  const std::vector<unsigned char>& buffer = model.buffers[view.buffer].bytes;
+  const std::span<const unsigned char> buffer = model.buffers[view.buffer].bytes;
   if (view.offset > buffer.size() || view.length > buffer.size() - view.offset)
     fail("buffer view {} reaches beyond the {} bytes of buffer {}", view_index, buffer.size(), view.buffer);
   const std::size_t stride = view.stride == 0 ? element_size : view.stride;

@@ -24,22 +24,34 @@ std::optional<AnimatedProperty> property_of(std::string_view path) {
   return std::nullopt;
 }
 
-/// Of a JSON pointer like "/nodes/3/weights/1"; nothing where it points to what is not read.
+/// Of a JSON pointer like "/nodes/3/weights/1" or "/meshes/2/weights"; nothing where it points to what is not
+/// read.
 std::optional<Target> target_of_pointer(std::string_view pointer) {
-  constexpr std::string_view kNodes = "/nodes/", kWeights = "weights/";
-  if (!pointer.starts_with(kNodes)) return std::nullopt;
-  pointer.remove_prefix(kNodes.size());
+  constexpr std::string_view kNodes = "/nodes/", kMeshes = "/meshes/", kWeights = "weights/";
+  const bool is_of_mesh = pointer.starts_with(kMeshes);
+  if (!is_of_mesh && !pointer.starts_with(kNodes)) return std::nullopt;
+  pointer.remove_prefix((is_of_mesh ? kMeshes : kNodes).size());
   const std::size_t slash = std::min(pointer.find('/'), pointer.size());
-  const auto node = parse_index(pointer.substr(0, slash));
-  if (!node || slash == pointer.size()) return std::nullopt;
+  const auto index = parse_index(pointer.substr(0, slash));
+  if (!index || slash == pointer.size()) return std::nullopt;
+  Target target;
+  if (is_of_mesh) {
+    target.mesh = *index;
+  } else {
+    target.node = *index;
+  }
   const std::string_view path = pointer.substr(slash + 1);
   if (path.starts_with(kWeights)) {
     const auto weight = parse_index(path.substr(kWeights.size()));
     if (!weight) return std::nullopt;
-    return Target{*node, AnimatedProperty::kWeight, *weight};
+    target.property = AnimatedProperty::kWeight;
+    target.weight = *weight;
+    return target;
   }
   const auto property = property_of(path);
-  return property ? std::optional(Target{*node, *property}) : std::nullopt;
+  if (!property || (is_of_mesh && property != AnimatedProperty::kWeights)) return std::nullopt;
+  target.property = *property;
+  return target;
 }
 
 std::optional<Target> target_of(const Model::Channel& channel) {
@@ -66,30 +78,47 @@ std::string kind_of_target(const Model::Channel& channel) {
   return kind;
 }
 
+std::size_t target_count(const Model& model, const Target& target) {
+  return target.mesh ? model.meshes[*target.mesh].target_count : target_count(model, target.node);
+}
+
+void check_weights(const Model& model, const Target& target) {
+  const std::string who =
+      target.mesh ? fmt::format("mesh {}", *target.mesh) : fmt::format("node {}", target.node);
+  const std::size_t count = target_count(model, target);
+  if (count == 0) fail("the weights of {} are animated, but it has no morph targets", who);
+  if (target.property == AnimatedProperty::kWeight && target.weight >= count)
+    fail("weight {} of {} is animated, but it has only {} morph targets", target.weight, who, count);
+}
+
 void check_target(const Model& model, const Target& target) {
+  if (target.mesh && *target.mesh >= model.meshes.size())
+    fail("an animation refers to the missing mesh {}", *target.mesh);
   if (target.node >= model.nodes.size()) fail("an animation refers to the missing node {}", target.node);
   const bool moves_node = target.property == AnimatedProperty::kTranslation ||
                           target.property == AnimatedProperty::kRotation ||
                           target.property == AnimatedProperty::kScale;
   if (moves_node && model.nodes[target.node].matrix)
     fail("node {} is animated, but has a matrix instead of translation, rotation and scale", target.node);
+  if (target.property == AnimatedProperty::kWeights || target.property == AnimatedProperty::kWeight)
+    check_weights(model, target);
 }
 
-/// The type of a key's value, and how many of it a key has; 0: as many as there are.
+/// The type of a key's value, and how many numbers a key has.
 struct ValueShape {
   ElementType type;
   std::size_t width;
 };
 
-ValueShape shape_of(AnimatedProperty property) {
-  switch (property) {
+ValueShape shape_of(const Model& model, const Target& target) {
+  switch (target.property) {
     case AnimatedProperty::kTranslation:
     case AnimatedProperty::kScale:
       return {ElementType::kVec3, 3};
     case AnimatedProperty::kRotation:
       return {ElementType::kVec4, 4};
     case AnimatedProperty::kWeights:
-      return {ElementType::kScalar, 0};
+      return {ElementType::kScalar, target_count(model, target)};
     default:
       return {ElementType::kScalar, 1};
   }
@@ -121,15 +150,16 @@ Channel read_channel(const Model& model, const ClipSource::Channel& source) {
   if (property == AnimatedProperty::kVisibility && channel.interpolation != Interpolation::kStep)
     fail("the visibility of node {} is animated, but not in steps", channel.target.node);
   channel.times = read_key_times(model, sampler.input);
-  const ValueShape shape = shape_of(property);
-  channel.values = read_numbers(model, sampler.output, shape.type, "animation values");
+  const ValueShape shape = shape_of(model, channel.target);
+  channel.width = shape.width;
   const std::size_t rows =
       channel.times.size() * (channel.interpolation == Interpolation::kCubicSpline ? 3 : 1);
-  channel.width = shape.width > 0 ? shape.width : channel.values.size() / rows;
-  if (channel.values.size() != channel.width * rows) {
-    fail("accessor {} (animation values) does not have as many elements as its {} keys need", sampler.output,
-         channel.times.size());
+  const Model::Accessor& output = accessor_at(model, sampler.output, "animation values");
+  if (output.count * component_count(shape.type) != shape.width * rows) {
+    fail("accessor {} (animation values) has {} elements, but its {} keys need {}", sampler.output,
+         output.count, channel.times.size(), shape.width * rows / component_count(shape.type));
   }
+  channel.values = read_numbers(model, sampler.output, shape.type, "animation values");
   return channel;
 }
 
@@ -157,6 +187,19 @@ void evaluate_linear(std::span<const double> from, std::span<const double> to, d
 }
 
 }  // namespace
+
+TargetNodes::TargetNodes(const Model& model) : nodes_of_meshes_(model.meshes.size()) {
+  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+    const Model::Node& node = model.nodes[i];
+    if (node.mesh && *node.mesh < model.meshes.size() && node.weights.empty())
+      nodes_of_meshes_[*node.mesh].push_back(i);
+  }
+}
+
+std::span<const std::size_t> TargetNodes::of(const Target& target) const {
+  if (target.mesh) return nodes_of_meshes_[*target.mesh];
+  return {&target.node, 1};
+}
 
 void Channel::evaluate(double time, Side side, std::span<double> result) const {
   const bool cubic = interpolation == Interpolation::kCubicSpline;

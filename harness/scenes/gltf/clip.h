@@ -30,6 +30,18 @@ struct Target {
   std::size_t node = 0;
   AnimatedProperty property = AnimatedProperty::kTranslation;
   std::size_t weight = 0;  ///< which, of kWeight
+  Model::Index mesh = {};  ///< of weights, instead of `node`: all nodes with it and no weights of their own
+};
+
+/// Finds the nodes that targets are about.
+class TargetNodes {
+ public:
+  explicit TargetNodes(const Model& model);
+  /// Those of `target`, which must outlive them.
+  std::span<const std::size_t> of(const Target& target) const;
+
+ private:
+  std::vector<std::vector<std::size_t>> nodes_of_meshes_;  // that have no weights of their own
 };
 
 /// How one property of one node moves: `width` numbers at each key (three times as many for cubic splines:

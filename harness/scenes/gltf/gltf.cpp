@@ -25,6 +25,7 @@
 #include "harness/scenes/gltf/size_check.h"
 #include "harness/scenes/gltf/surroundings.h"
 #include "harness/scenes/gltf/timeline.h"
+#include "harness/scenes/gltf/visibility.h"
 #include "harness/scenes/step_times.h"
 
 namespace stbvh::harness {
@@ -82,9 +83,8 @@ class PrimitiveReader {
     if (!mesh) return;
     const std::vector<Affine> instances = read_instances(model_, node);
     const auto& sources = model_.meshes[*mesh].primitives;
-    for (std::size_t i = 0; i < sources.size(); ++i) {
+    for (const std::size_t i : with_triangles(*mesh)) {
       check_cancelled();
-      if (!has_triangles(sources[i])) continue;
       Primitive primitive{.node = node, .geometry = geometry(node, sources[i]), .skin = {}, .instance = {}};
       if (primitive.geometry->indices.empty()) continue;
       if (primitive.geometry->influences.per_vertex > 0) primitive.skin = model_.nodes[node].skin;
@@ -97,6 +97,16 @@ class PrimitiveReader {
   std::vector<NamedPrimitive> take() { return std::move(primitives_); }
 
  private:
+  /// The numbers of a mesh's primitives that are read; looked for once, as many nodes may have it.
+  const std::vector<std::size_t>& with_triangles(std::size_t mesh) {
+    const auto [known, is_new] = with_triangles_.try_emplace(mesh);
+    const auto& sources = model_.meshes[mesh].primitives;
+    for (std::size_t i = 0; is_new && i < sources.size(); ++i) {
+      if (has_triangles(sources[i])) known->second.push_back(i);
+    }
+    return known->second;
+  }
+
   std::shared_ptr<const Geometry> geometry(std::size_t node, const Model::Primitive& source) {
     const bool is_skinned = model_.nodes[node].skin.has_value();
     std::shared_ptr<const Geometry>& known = geometries_[{&source, is_skinned}];
@@ -116,59 +126,24 @@ class PrimitiveReader {
   const Model& model_;
   const std::vector<Skin>& skins_;
   std::map<std::pair<const Model::Primitive*, bool>, std::shared_ptr<const Geometry>> geometries_;
+  std::map<std::size_t, std::vector<std::size_t>> with_triangles_;
   std::vector<NamedPrimitive> primitives_;
 };
-
-/// As a share of the shutter: what is there for less is left out, as no structure can divide it into steps.
-constexpr double kShortestVisible = 1e-6;
 
 /// A primitive while it is to be seen.
 struct Part {
   const NamedPrimitive* source;
-  double begin = 0, end = 1;  ///< of the shutter
+  Interval interval;
 
-  bool is_whole() const { return begin == 0 && end == 1; }
+  bool is_whole() const { return interval.is_whole(); }
 };
 
-/// When a node is visible, as shares of the shutter. It changes only at keys.
-std::vector<std::pair<double, double>> visible_intervals(const Timeline& timeline, std::size_t node) {
-  const Rig rig = timeline.rig().part(node, std::nullopt);
-  const Timeline own = timeline.part(rig);
-  const std::size_t slot = rig.slot(node);
-  std::vector<double> bounds = own.key_fractions();
-  bounds.push_back(1);
-  std::vector<std::pair<double, double>> intervals;
-  double begin = 0;
-  for (const double end : bounds) {
-    if (own.pose((begin + end) / 2).visible[slot]) {
-      if (!intervals.empty() && intervals.back().second == begin) {
-        intervals.back().second = end;
-      } else {
-        intervals.emplace_back(begin, end);
-      }
-    }
-    begin = end;
-  }
-  return intervals;
-}
-
 /// In the order of the primitives.
-std::vector<Part> visible_parts(const std::vector<NamedPrimitive>& primitives, const Timeline& timeline) {
-  const Rig& rig = timeline.rig();
-  const Pose first = timeline.pose(0);
-  std::map<std::size_t, std::vector<std::pair<double, double>>> intervals_of;  // nodes that blink
+std::vector<Part> visible_parts(const std::vector<NamedPrimitive>& primitives, const Visibility& visibility) {
   std::vector<Part> parts;
   for (const NamedPrimitive& source : primitives) {
-    const std::size_t node = source.primitive.node;
-    if (timeline.is_instant() || !rig.blinks(node)) {
-      if (first.visible[rig.slot(node)]) parts.push_back({&source});
-      continue;
-    }
-    const auto [known, is_new] = intervals_of.try_emplace(node);
-    if (is_new) known->second = visible_intervals(timeline, node);
-    for (const auto& [begin, end] : known->second) {
-      if (end - begin >= kShortestVisible) parts.push_back({&source, begin, end});
-    }
+    for (const Interval& interval : visibility.of(source.primitive.node))
+      parts.push_back({&source, interval});
   }
   return parts;
 }
@@ -197,30 +172,46 @@ bool moves(const Part& part, const Timeline& timeline) {
   return !timeline.is_instant() && timeline.rig().moves_mesh(primitive.node, primitive.skin);
 }
 
+/// The rig of those of `parts` that are numbered so; one for all of them, so that they share its poses.
+Rig rig_of(const std::vector<Part>& parts, const std::vector<std::size_t>& numbers, const Rig& whole) {
+  std::vector<Rig::Follows> meshes;
+  for (const std::size_t p : numbers) {
+    const Primitive& primitive = parts[p].source->primitive;
+    meshes.push_back({primitive.node, primitive.skin});
+  }
+  return whole.part(meshes);
+}
+
 /// `count` positions of each part that moves, at equidistant times while it is visible, one of the others.
-/// Parts that are visible all the time share poses.
+/// Parts that are visible at the same times share poses.
 std::vector<Motion> equidistant_steps(const std::vector<Part>& parts, const Timeline& timeline,
                                       std::size_t count) {
+  std::map<std::pair<double, double>, std::vector<std::size_t>> moving;  // by when they are visible
   std::vector<Motion> result(parts.size());
-  for (std::size_t p = 0; p < parts.size(); ++p) {
-    if (parts[p].is_whole()) result[p].steps.resize(moves(parts[p], timeline) ? count : 1);
-  }
-  for_all(count, [&](std::size_t i) {
-    const Pose pose = timeline.pose(step_fraction(i, count));
-    for (std::size_t p = 0; p < parts.size() && !tbb::is_current_task_group_canceling(); ++p) {
-      Steps& steps = result[p].steps;
-      if (i < steps.size()) steps[i] = deform(parts[p].source->primitive, timeline.rig(), pose);
-    }
-  });
+  const Pose first = timeline.pose(0);
   for_all(parts.size(), [&](std::size_t p) {
-    const Primitive& primitive = parts[p].source->primitive;
-    if (!parts[p].is_whole()) {
-      const Rig rig = timeline.rig().part(primitive.node, primitive.skin);
-      const Timeline own = timeline.part(rig, parts[p].begin, parts[p].end);
-      for (std::size_t i = 0; i < count; ++i)
-        result[p].steps.push_back(deform(primitive, rig, own.pose(step_fraction(i, count))));
-    }
-    merge_if_still(result[p].steps);
+    if (!moves(parts[p], timeline))
+      result[p].steps.push_back(deform(parts[p].source->primitive, timeline.rig(), first));
+  });
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    if (!result[p].steps.empty()) continue;
+    result[p].steps.resize(count);
+    moving[{parts[p].interval.begin, parts[p].interval.end}].push_back(p);
+  }
+  const std::vector<std::pair<std::pair<double, double>, std::vector<std::size_t>>> groups(moving.begin(),
+                                                                                           moving.end());
+  for_all(groups.size(), [&](std::size_t g) {
+    const auto& [interval, numbers] = groups[g];
+    const Rig rig = rig_of(parts, numbers, timeline.rig());
+    const Timeline own = timeline.part(rig, interval.first, interval.second);
+    for_all(count, [&](std::size_t i) {
+      const Pose pose = own.pose(step_fraction(i, count));
+      for (const std::size_t p : numbers) {
+        check_cancelled();
+        result[p].steps[i] = deform(parts[p].source->primitive, rig, pose);
+      }
+    });
+    for (const std::size_t p : numbers) merge_if_still(result[p].steps);
   });
   return result;
 }
@@ -232,7 +223,10 @@ double scene_diagonal(const std::vector<Part>& parts, const Timeline& timeline) 
   for (std::size_t i = 0; i < kLooks; ++i) {
     check_cancelled();
     const Pose pose = timeline.pose(step_fraction(i, kLooks));
+    const NamedPrimitive* last = nullptr;  // parts of a primitive stand together
     for (const Part& part : parts) {
+      if (part.source == last || (i > 0 && !moves(part, timeline))) continue;
+      last = part.source;
       const VertexBuffer positions = deform(part.source->primitive, timeline.rig(), pose);
       for (const Vec3f& p : positions.span()) {
         if (is_valid_position(p)) extend(box, p);
@@ -246,7 +240,7 @@ double scene_diagonal(const std::vector<Part>& parts, const Timeline& timeline) 
 
 /// Ray times while a part is visible.
 TimeRange range_of(const Part& part) {
-  return {static_cast<float>(part.begin), static_cast<float>(part.end)};
+  return {static_cast<float>(part.interval.begin), static_cast<float>(part.interval.end)};
 }
 
 /// Those that need more steps than there can be to stay within a share of the diagonal.
@@ -277,8 +271,9 @@ std::vector<Motion> chosen_steps(const std::vector<Part>& parts, const Timeline&
       continue;
     }
     const Rig rig = timeline.rig().part(primitive.node, primitive.skin);
-    too_few.add(make(part, timeline.part(rig, part.begin, part.end), share * diagonal, motion), share,
-                diagonal);
+    too_few.add(
+        make(part, timeline.part(rig, part.interval.begin, part.interval.end), share * diagonal, motion),
+        share, diagonal);
   }
   if (too_few.meshes > 0) {
     warn(
@@ -360,9 +355,9 @@ Scene load(const std::filesystem::path& file, const GltfOptions& options, const 
   const std::vector<std::size_t> nodes = nodes_of_scene(model, tree, options.scene, warn);
   const std::optional<ClipSource> clip_source = find_clip(model, options.clip);
   const bool chooses_steps = options.at_keys || options.largest_deviation;
-  const std::size_t most_steps = chooses_steps ? kMaxSceneSteps : options.steps;
   // How many keys make is known when they are made.
-  check_sizes(model, tree, nodes, clip_source ? &*clip_source : nullptr, options.at_keys ? 1 : most_steps);
+  const std::size_t most_steps = options.at_keys ? 1 : chooses_steps ? kMaxSceneSteps : options.steps;
+  check_sizes(model, tree, nodes, clip_source ? &*clip_source : nullptr, most_steps);
   warn_of_what_is_left_out(model, nodes, clip_source ? &*clip_source : nullptr, warn);
 
   std::optional<Clip> clip;
@@ -374,7 +369,9 @@ Scene load(const std::filesystem::path& file, const GltfOptions& options, const 
   for (const std::size_t node : nodes) reader.add_node(node);
   const std::vector<NamedPrimitive> primitives = reader.take();
   if (primitives.empty()) fail("its scene has no triangles");
-  const std::vector<Part> parts = visible_parts(primitives, timeline);
+  const Visibility visibility(model, tree, timeline, most_bytes_of(model));
+  check_sizes(model, tree, nodes, clip_source ? &*clip_source : nullptr, most_steps, &visibility);
+  const std::vector<Part> parts = visible_parts(primitives, visibility);
   if (parts.empty() && !may_be_empty(options.shutter)) fail("all meshes of its scene are hidden");
 
   std::vector<Motion> motions = make_motions(model, parts, timeline, options, warn);

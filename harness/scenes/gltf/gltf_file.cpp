@@ -1,13 +1,17 @@
 #include "harness/scenes/gltf/gltf_file.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <span>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -37,10 +41,12 @@ struct Container {
   std::optional<std::span<const unsigned char>> binary_chunk;
 };
 
-Bytes read_bytes(const std::filesystem::path& file, std::string_view what) {
+/// The first `most` bytes of a file, or all where it has less.
+Bytes read_bytes(const std::filesystem::path& file, std::string_view what,
+                 std::size_t most = std::numeric_limits<std::size_t>::max()) {
   try {
     const InputFile input(file, std::numeric_limits<std::uint32_t>::max());
-    Bytes bytes(input.size());
+    Bytes bytes(std::min(input.size(), most));
     input.read(0, {reinterpret_cast<char*>(bytes.data()), bytes.size()});
     return bytes;
   } catch (const InputFileError& e) {
@@ -132,36 +138,6 @@ json parse_json(std::string_view text) {
   }
 }
 
-Bytes bytes_behind_uri(const std::string& uri, std::size_t buffer, const std::filesystem::path& folder) {
-  if (is_data_uri(uri)) {
-    std::optional<Bytes> bytes = decode_data_uri(uri);
-    if (!bytes) fail("the data URI of buffer {} cannot be decoded", buffer);
-    return std::move(*bytes);
-  }
-  const std::string name = percent_decoded(uri);
-  return read_bytes(folder / std::filesystem::path(std::u8string(name.begin(), name.end())),
-                    fmt::format("'{}', to which buffer {} refers,", name, buffer));
-}
-
-/// The first byteLength bytes of what holds the buffer: a file, a data URI, or the binary chunk.
-Bytes read_buffer(const JsonObject& buffer, std::size_t number, const Container& container,
-                  const std::filesystem::path& folder) {
-  const std::size_t byte_length = buffer.required_whole_number("byteLength");
-  Bytes bytes;
-  if (buffer.has("uri")) {
-    bytes = bytes_behind_uri(buffer.text("uri"), number, folder);
-  } else if (number == 0 && container.binary_chunk) {
-    bytes.assign(container.binary_chunk->begin(), container.binary_chunk->end());
-  } else {
-    fail("buffer {} has no data", number);
-  }
-  if (byte_length > bytes.size()) {
-    fail("buffer {} should have {} bytes, but only {} are there", number, byte_length, bytes.size());
-  }
-  bytes.resize(byte_length);
-  return bytes;
-}
-
 /// Which buffers accessors refer to. The others may be placeholders, or hold images.
 std::vector<bool> used_buffers(const Model& model, std::size_t count) {
   std::vector<bool> used(count, false);
@@ -177,23 +153,109 @@ std::vector<bool> used_buffers(const Model& model, std::size_t count) {
   return used;
 }
 
+/// Reads what buffers consist of: files, data URIs, and the binary chunk. What several buffers name is read
+/// once, and of each no more than the longest of them needs.
+class BufferReader {
+ public:
+  BufferReader(const Container& container, const std::filesystem::path& folder)
+      : container_(container), folder_(folder) {}
+
+  /// Says what will be read. Throws Problem.
+  void announce(const JsonObject& buffer, std::size_t number) {
+    const std::size_t length = buffer.required_whole_number("byteLength");
+    Source& source = sources_[name_of(buffer, number)];
+    if (length <= source.length) return;
+    bytes_ += static_cast<double>(length - source.length);
+    source.length = length;
+  }
+
+  /// Throws Problem where all that will be read is too long.
+  void check_length() const {
+    if (bytes_ > double{kMaxSceneFileBytes})
+      fail("its buffers have more than {} GB", kMaxSceneFileBytes >> 30);
+  }
+
+  /// Throws Problem where there are fewer bytes than the buffer says.
+  void read(const JsonObject& buffer, std::size_t number, Model& model) {
+    Source& source = sources_[name_of(buffer, number)];
+    if (!source.bytes) {
+      source.bytes = std::make_shared<const Bytes>(read_source(buffer, number, source.length));
+      model.bytes += source.bytes->size();
+    }
+    const std::size_t length = buffer.required_whole_number("byteLength");
+    if (length > source.bytes->size())
+      fail("buffer {} should have {} bytes, but only {} are there", number, length, source.bytes->size());
+    model.buffers[number].source = source.bytes;
+    model.buffers[number].bytes = std::span(*source.bytes).first(length);
+  }
+
+ private:
+  struct Source {
+    std::size_t length = 0;  ///< bytes that are needed of it
+    std::shared_ptr<const Bytes> bytes;
+  };
+
+  std::filesystem::path file_of(const std::string& uri) const {
+    const std::string name = percent_decoded(uri);
+    return folder_ / std::filesystem::path(std::u8string(name.begin(), name.end()));
+  }
+
+  /// The same for all buffers that consist of the same.
+  std::string name_of(const JsonObject& buffer, std::size_t number) const {
+    if (!buffer.has("uri")) {
+      if (number != 0 || !container_.binary_chunk) fail("buffer {} has no data", number);
+      return {};
+    }
+    const std::string uri = buffer.text("uri");
+    if (is_data_uri(uri)) return uri;
+    std::error_code is_nowhere;
+    const std::filesystem::path file = file_of(uri), found = weakly_canonical(file, is_nowhere);
+    return (is_nowhere ? file : found).string();
+  }
+
+  Bytes read_source(const JsonObject& buffer, std::size_t number, std::size_t length) const {
+    if (!buffer.has("uri")) {
+      const auto chunk = container_.binary_chunk->first(std::min(length, container_.binary_chunk->size()));
+      return {chunk.begin(), chunk.end()};
+    }
+    const std::string uri = buffer.text("uri");
+    if (!is_data_uri(uri)) {
+      const std::string what = fmt::format("'{}', to which buffer {} refers,", percent_decoded(uri), number);
+      return read_bytes(file_of(uri), what, length);
+    }
+    std::optional<Bytes> bytes = decode_data_uri(uri);
+    if (!bytes) fail("the data URI of buffer {} cannot be decoded", number);
+    return std::move(*bytes);
+  }
+
+  const Container& container_;
+  const std::filesystem::path& folder_;
+  std::map<std::string, Source> sources_;
+  double bytes_ = 0;
+};
+
 void read_buffers(const JsonObject& document, const Container& container, const std::filesystem::path& folder,
                   Model& model) {
   const std::vector<JsonObject> sources = document.objects("buffers");
   const std::vector<bool> used = used_buffers(model, sources.size());
   model.buffers.resize(sources.size());
-  for (std::size_t i = 0; i < sources.size(); ++i) {
-    sources[i].whole_number("byteLength");  // has the right type, wherever the buffer is used
-    if (!used[i]) continue;
-    check_cancelled();
-    try {
-      model.buffers[i].bytes = read_buffer(sources[i], i, container, folder);
-    } catch (const Problem& problem) {
-      model.buffers[i].problem = problem.what();
+  BufferReader reader(container, folder);
+  // What is wrong with one is of concern only where it is used.
+  const auto for_used = [&](const auto& body) {
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+      if (!used[i] || !model.buffers[i].problem.empty()) continue;
+      check_cancelled();
+      try {
+        body(i);
+      } catch (const Problem& problem) {
+        model.buffers[i].problem = problem.what();
+      }
     }
-    model.bytes += model.buffers[i].bytes.size();
-    if (model.bytes > kMaxSceneFileBytes) fail("its buffers have more than {} GB", kMaxSceneFileBytes >> 30);
-  }
+  };
+  for (const JsonObject& source : sources) source.whole_number("byteLength");  // has the right type
+  for_used([&](std::size_t i) { reader.announce(sources[i], i); });
+  reader.check_length();
+  for_used([&](std::size_t i) { reader.read(sources[i], i, model); });
 }
 
 }  // namespace

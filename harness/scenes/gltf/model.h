@@ -4,7 +4,9 @@
 #include <array>
 #include <cstddef>
 #include <map>
+#include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,7 +34,8 @@ struct Model {
   using Attributes = std::map<std::string, std::size_t>;  ///< accessors by name
 
   struct Buffer {
-    std::vector<unsigned char> bytes;
+    std::shared_ptr<const std::vector<unsigned char>> source;  ///< one for all buffers of a URI
+    std::span<const unsigned char> bytes;                      ///< the first of it
     std::string problem;  ///< why there are none; of concern only where they are used
   };
   struct BufferView {
@@ -64,7 +67,8 @@ struct Model {
   struct Mesh {
     std::string name;
     std::vector<Primitive> primitives;
-    std::vector<double> weights;
+    std::size_t target_count = 0;  ///< morph targets of the primitive that has most
+    std::vector<double> weights;   ///< one for each target, or none: all are 0
   };
   struct Node {
     std::string name;
@@ -72,7 +76,7 @@ struct Model {
     Index mesh, skin, camera, light;
     std::optional<std::array<double, 16>> matrix;  ///< instead of `transform`, column by column
     TranslationRotationScale transform;
-    std::vector<double> weights;
+    std::vector<double> weights;  ///< one for each target of its mesh, or none: as the mesh says
     bool is_visible = true;
     std::optional<Attributes> instances;
   };
@@ -132,5 +136,8 @@ struct Model {
   std::vector<std::string> extensions;  ///< used or required
   std::size_t bytes = 0;                ///< of the file and all that it refers to
 };
+
+/// Morph targets of a node's mesh; 0 where it has none.
+std::size_t target_count(const Model& model, std::size_t node);
 
 }  // namespace stbvh::harness::gltf

@@ -99,6 +99,10 @@ Model::Mesh read_mesh(const JsonObject& source) {
   mesh.weights = source.numbers("weights");
   for (const JsonObject& primitive : source.objects("primitives"))
     mesh.primitives.push_back(read_primitive(primitive));
+  for (const Model::Primitive& primitive : mesh.primitives)
+    mesh.target_count = std::max(mesh.target_count, primitive.targets.size());
+  if (!mesh.weights.empty() && mesh.weights.size() != mesh.target_count)
+    fail("{} has {} weights, but {} morph targets", source.where(), mesh.weights.size(), mesh.target_count);
   return mesh;
 }
 
@@ -220,7 +224,20 @@ Model::Animation read_animation(const JsonObject& source) {
   return animation;
 }
 
+void check_weights(const Model& model) {
+  for (std::size_t i = 0; i < model.nodes.size(); ++i) {
+    const std::size_t weights = model.nodes[i].weights.size(), targets = target_count(model, i);
+    if (weights > 0 && weights != targets)
+      fail("nodes[{}] has {} weights, but its mesh has {} morph targets", i, weights, targets);
+  }
+}
+
 }  // namespace
+
+std::size_t target_count(const Model& model, std::size_t node) {
+  const Model::Index mesh = model.nodes[node].mesh;
+  return mesh && *mesh < model.meshes.size() ? model.meshes[*mesh].target_count : 0;
+}
 
 std::size_t component_count(ElementType type) {
   constexpr std::array<std::size_t, 7> kCounts = {1, 2, 3, 4, 4, 9, 16};
@@ -262,6 +279,7 @@ Model read_model(const nlohmann::json& json) {
       },
       model.scenes);
   model.default_scene = document.whole_number("scene");
+  check_weights(model);
   return model;
 }
 

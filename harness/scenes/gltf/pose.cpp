@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <set>
 #include <unordered_set>
 #include <utility>
 
@@ -27,12 +28,10 @@ void apply(const Channel& channel, double time, Side side, TranslationRotationSc
       channel.evaluate(time, side, transform.scale);
       break;
     case AnimatedProperty::kWeights:
-      weights.resize(channel.width);
       channel.evaluate(time, side, weights);
       break;
     case AnimatedProperty::kWeight:
-      if (channel.target.weight < weights.size())
-        channel.evaluate(time, side, std::span(weights).subspan(channel.target.weight, 1));
+      channel.evaluate(time, side, std::span(weights).subspan(channel.target.weight, 1));
       break;
     case AnimatedProperty::kVisibility: {
       double value = 1;
@@ -48,13 +47,29 @@ void apply(const Channel& channel, double time, Side side, TranslationRotationSc
 Rig::Rig(const Model& model, const NodeTree& tree, const Clip* clip, const std::vector<Skin>& skins)
     : model_(model), tree_(tree), skins_(skins), nodes_(tree.parents_first()), skin_slots_(skins.size()) {
   std::iota(skin_slots_.begin(), skin_slots_.end(), std::size_t{0});
-  if (clip != nullptr) {
-    for (const Channel& channel : clip->channels) channels_.push_back(&channel);
-  }
-  std::stable_sort(channels_.begin(), channels_.end(), [&](const Channel* a, const Channel* b) {
-    return tree.rank(a->target.node) < tree.rank(b->target.node);
-  });
+  if (clip != nullptr) add_channels(*clip);
   find_what_moves();
+}
+
+/// What moves the weights of a mesh comes before what moves those of its nodes.
+void Rig::add_channels(const Clip& clip) {
+  struct Moved {
+    std::size_t rank;
+    const Channel* channel;
+  };
+  const TargetNodes nodes(model_);
+  std::vector<Moved> all;
+  for (const bool of_meshes : {true, false}) {
+    for (const Channel& channel : clip.channels) {
+      if (channel.target.mesh.has_value() != of_meshes) continue;
+      for (const std::size_t node : nodes.of(channel.target)) all.push_back({tree_.rank(node), &channel});
+    }
+  }
+  std::stable_sort(all.begin(), all.end(), [](const Moved& a, const Moved& b) { return a.rank < b.rank; });
+  for (const Moved& moved : all) {
+    channels_.push_back(moved.channel);
+    channel_ranks_.push_back(moved.rank);
+  }
 }
 
 Rig::Rig(const Rig& whole, std::vector<std::size_t> nodes, std::vector<std::size_t> skins)
@@ -63,46 +78,48 @@ Rig::Rig(const Rig& whole, std::vector<std::size_t> nodes, std::vector<std::size
       skins_(whole.skins_),
       nodes_(std::move(nodes)),
       skin_slots_(std::move(skins)) {
-  struct ByRank {
-    const NodeTree& tree;
-    bool operator()(const Channel* channel, std::size_t rank) const {
-      return tree.rank(channel->target.node) < rank;
-    }
-    bool operator()(std::size_t rank, const Channel* channel) const {
-      return rank < tree.rank(channel->target.node);
-    }
-  };
   for (const std::size_t node : nodes_) {
-    const auto [first, last] =
-        std::equal_range(whole.channels_.begin(), whole.channels_.end(), tree_.rank(node), ByRank{tree_});
-    channels_.insert(channels_.end(), first, last);
+    const auto own = whole.channels_of(node);
+    channels_.insert(channels_.end(), own.begin(), own.end());
+    channel_ranks_.insert(channel_ranks_.end(), own.size(), tree_.rank(node));
   }
   find_what_moves();
 }
 
+std::span<const Channel* const> Rig::channels_of(std::size_t node) const {
+  const auto [first, last] = std::equal_range(channel_ranks_.begin(), channel_ranks_.end(), tree_.rank(node));
+  return std::span(channels_).subspan(static_cast<std::size_t>(first - channel_ranks_.begin()),
+                                      static_cast<std::size_t>(last - first));
+}
+
 Rig Rig::part(std::size_t node, std::optional<std::size_t> skin) const {
+  const Follows mesh{node, skin};
+  return part({&mesh, 1});
+}
+
+Rig Rig::part(std::span<const Follows> meshes) const {
   std::unordered_set<std::size_t> found;
   const auto add_with_parents = [&](std::size_t at) {
     while (at != NodeTree::kNoParent && found.insert(at).second) at = tree_.parent(at);
   };
-  add_with_parents(node);
-  std::vector<std::size_t> skins;
-  if (skin) {
-    skins.push_back(*skin);
-    for (const std::size_t joint : skins_[*skin].nodes) add_with_parents(joint);
+  std::set<std::size_t> skins;
+  for (const Follows& mesh : meshes) {
+    add_with_parents(mesh.node);
+    if (!mesh.skin || !skins.insert(*mesh.skin).second) continue;
+    for (const std::size_t joint : skins_[*mesh.skin].nodes) add_with_parents(joint);
   }
   std::vector<std::size_t> nodes(found.begin(), found.end());
   std::sort(nodes.begin(), nodes.end(),
             [&](std::size_t a, std::size_t b) { return tree_.rank(a) < tree_.rank(b); });
-  return {*this, std::move(nodes), std::move(skins)};
+  return {*this, std::move(nodes), {skins.begin(), skins.end()}};
 }
 
 void Rig::find_what_moves() {
   moves_.resize(nodes_.size());
   blinks_.resize(nodes_.size());
-  for (const Channel* channel : channels_) {
-    const std::size_t i = slot(channel->target.node);
-    const AnimatedProperty property = channel->target.property;
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    const std::size_t i = slot_of_rank(channel_ranks_[c]);
+    const AnimatedProperty property = channels_[c]->target.property;
     if (property == AnimatedProperty::kVisibility) blinks_[i] = true;
     if (property == AnimatedProperty::kTranslation || property == AnimatedProperty::kRotation ||
         property == AnimatedProperty::kScale)
@@ -114,10 +131,18 @@ void Rig::find_what_moves() {
     if (moves_[parent]) moves_[i] = true;
     if (blinks_[parent]) blinks_[i] = true;
   }
+  for (const std::size_t skin : skin_slots_) {
+    const std::vector<std::size_t>& joints = skins_[skin].nodes;
+    moves_skins_.push_back(
+        std::any_of(joints.begin(), joints.end(), [&](std::size_t joint) { return moves(joint); }));
+  }
 }
 
 std::size_t Rig::slot(std::size_t node) const {
-  const std::size_t rank = tree_.rank(node);
+  return slot_of_rank(tree_.rank(node));
+}
+
+std::size_t Rig::slot_of_rank(std::size_t rank) const {
   if (nodes_.size() == tree_.parents_first().size()) return rank;
   const auto found = std::lower_bound(nodes_.begin(), nodes_.end(), rank,
                                       [&](std::size_t n, std::size_t r) { return tree_.rank(n) < r; });
@@ -130,28 +155,26 @@ std::size_t Rig::skin_slot(std::size_t skin) const {
 }
 
 bool Rig::moves_mesh(std::size_t node, std::optional<std::size_t> skin) const {
-  const auto at = [&](const Channel* channel) { return tree_.rank(channel->target.node); };
-  const auto first = std::partition_point(channels_.begin(), channels_.end(), [&](const Channel* channel) {
-    return at(channel) < tree_.rank(node);
-  });
-  for (auto channel = first; channel != channels_.end() && (*channel)->target.node == node; ++channel) {
-    const AnimatedProperty property = (*channel)->target.property;
+  for (const Channel* channel : channels_of(node)) {
+    const AnimatedProperty property = channel->target.property;
     if (property == AnimatedProperty::kWeights || property == AnimatedProperty::kWeight) return true;
   }
-  if (!skin) return moves(node);
-  const std::vector<std::size_t>& joints = skins_[*skin].nodes;
-  return std::any_of(joints.begin(), joints.end(), [&](std::size_t joint) { return moves(joint); });
+  return skin ? moves_skins_[skin_slot(*skin)] : moves(node);
+}
+
+const std::vector<double>& Rig::weights(const Pose& pose, std::size_t node) const {
+  const std::vector<double>& animated = pose.weights[slot(node)];
+  return animated.empty() ? resting_weights(model_, node) : animated;
 }
 
 /// As in the file.
 void Rig::rest(Pose& pose, std::vector<TranslationRotationScale>& transforms) const {
   const std::size_t count = nodes_.size();
   transforms.reserve(count);
-  pose.weights.reserve(count);
+  pose.weights.resize(count);
   pose.visible.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     transforms.push_back(model_.nodes[nodes_[i]].transform);
-    pose.weights.push_back(resting_weights(model_, nodes_[i]));
     pose.visible[i] = model_.nodes[nodes_[i]].is_visible;
   }
 }
@@ -160,10 +183,17 @@ Pose Rig::pose(double time, Side side) const {
   Pose pose;
   std::vector<TranslationRotationScale> transforms;
   rest(pose, transforms);
-  for (const Channel* channel : channels_) {
-    const std::size_t i = slot(channel->target.node);
+  for (std::size_t c = 0; c < channels_.size(); ++c) {
+    const std::size_t i = slot_of_rank(channel_ranks_[c]);
+    const AnimatedProperty property = channels_[c]->target.property;
+    const bool moves_weights =
+        property == AnimatedProperty::kWeights || property == AnimatedProperty::kWeight;
+    if (moves_weights && pose.weights[i].empty()) {
+      pose.weights[i] = resting_weights(model_, nodes_[i]);
+      pose.weights[i].resize(target_count(model_, nodes_[i]));
+    }
     bool is_visible = pose.visible[i];
-    apply(*channel, time, side, transforms[i], pose.weights[i], is_visible);
+    apply(*channels_[c], time, side, transforms[i], pose.weights[i], is_visible);
     pose.visible[i] = is_visible;
   }
   pose.world.resize(nodes_.size());

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "harness/scenes/gltf/clip.h"
@@ -21,7 +22,7 @@ struct Skin {
 /// Everything that moves, at one time. Indexed by Rig::slot and Rig::skin_slot.
 struct Pose {
   std::vector<Affine> world;
-  std::vector<std::vector<double>> weights;  ///< of the morph targets of the node's mesh
+  std::vector<std::vector<double>> weights;  ///< of the morph targets of its mesh, where they are animated
   std::vector<bool> visible;                 ///< the node and all above it
   std::vector<std::vector<Affine>> joints;   ///< of each skin
 };
@@ -33,8 +34,14 @@ class Rig {
   /// Of a whole file. `skins` is indexed as there; those that are not used may be empty.
   Rig(const Model& model, const NodeTree& tree, const Clip* clip, const std::vector<Skin>& skins);
 
-  /// What the mesh of `node` follows, with that skin if there is one.
+  /// What a mesh follows: its node, and its skin if there is one.
+  struct Follows {
+    std::size_t node;
+    std::optional<std::size_t> skin;
+  };
+  /// What one mesh follows, or some of them together.
   Rig part(std::size_t node, std::optional<std::size_t> skin) const;
+  Rig part(std::span<const Follows> meshes) const;
 
   /// The place of a node of the file in a pose.
   std::size_t slot(std::size_t node) const;
@@ -42,6 +49,9 @@ class Rig {
 
   /// What the clip does not animate, or everything without a clip, stands as in the file.
   Pose pose(double time, Side side = Side::kAfter) const;
+
+  /// Of the morph targets of the mesh at a node; none: all are 0.
+  const std::vector<double>& weights(const Pose& pose, std::size_t node) const;
 
   /// Whether the clip moves a node or one above it; or the mesh at it, with that skin.
   bool moves(std::size_t node) const { return moves_[slot(node)]; }
@@ -51,9 +61,13 @@ class Rig {
 
   /// Ordered by the rank of what they move.
   const std::vector<const Channel*>& channels() const { return channels_; }
+  /// Those of one node, in the order of the file: the last of a property has its way.
+  std::span<const Channel* const> channels_of(std::size_t node) const;
 
  private:
   Rig(const Rig& whole, std::vector<std::size_t> nodes, std::vector<std::size_t> skins);
+  std::size_t slot_of_rank(std::size_t rank) const;
+  void add_channels(const Clip& clip);
   void find_what_moves();
   void rest(Pose& pose, std::vector<TranslationRotationScale>& transforms) const;
 
@@ -63,7 +77,9 @@ class Rig {
   std::vector<std::size_t> nodes_;       ///< of the file, in the tree's order
   std::vector<std::size_t> skin_slots_;  ///< which skins, ascending
   std::vector<const Channel*> channels_;
+  std::vector<std::size_t> channel_ranks_;  ///< of the node that each moves
   std::vector<bool> moves_, blinks_;
+  std::vector<bool> moves_skins_;  ///< by skin slot
 };
 
 }  // namespace stbvh::harness::gltf

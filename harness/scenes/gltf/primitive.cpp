@@ -114,14 +114,27 @@ Influences read_influences(const Model& model, const Model::Primitive& source, s
   return influences;
 }
 
-Vec3 morphed(const Geometry& geometry, const std::vector<double>& weights, std::size_t vertex) {
+/// A morph target that moves something.
+struct Morph {
+  const double* offsets;  ///< x, y, z of each vertex
+  double weight;
+};
+
+std::vector<Morph> morphs(const Geometry& geometry, const std::vector<double>& weights) {
+  std::vector<Morph> found;
+  for (std::size_t t = 0; t < std::min(geometry.targets.size(), weights.size()); ++t) {
+    if (weights[t] != 0 && !geometry.targets[t].empty())
+      found.push_back({geometry.targets[t].data(), weights[t]});
+  }
+  return found;
+}
+
+Vec3 morphed(const Geometry& geometry, const std::vector<Morph>& morphs, std::size_t vertex) {
   const double* const p = &geometry.positions[3 * vertex];
   Vec3 position{p[0], p[1], p[2]};
-  const std::size_t count = std::min(geometry.targets.size(), weights.size());
-  for (std::size_t t = 0; t < count; ++t) {
-    if (weights[t] == 0 || geometry.targets[t].empty()) continue;
-    const double* const offset = &geometry.targets[t][3 * vertex];
-    position = position + weights[t] * Vec3{offset[0], offset[1], offset[2]};
+  for (const Morph& morph : morphs) {
+    const double* const offset = morph.offsets + 3 * vertex;
+    position = position + morph.weight * Vec3{offset[0], offset[1], offset[2]};
   }
   return position;
 }
@@ -146,20 +159,21 @@ float rounded(double value) {
 /// What moves the vertices of a primitive in a pose.
 struct Placement {
   const Geometry& geometry;
-  const std::vector<double>& weights;
+  std::vector<Morph> morphs;
   Affine world;
   const std::vector<Affine>* joints;  ///< null: it has no skin
 };
 
 Placement placement(const Primitive& primitive, const Rig& rig, const Pose& pose) {
   const std::size_t slot = rig.slot(primitive.node);
-  return {*primitive.geometry, pose.weights[slot], pose.world[slot] * primitive.instance,
+  return {*primitive.geometry, morphs(*primitive.geometry, rig.weights(pose, primitive.node)),
+          pose.world[slot] * primitive.instance,
           primitive.skin ? &pose.joints[rig.skin_slot(*primitive.skin)] : nullptr};
 }
 
 /// A vertex in world space.
 Vec3f place(const Placement& at, std::size_t vertex) {
-  const Vec3 p = morphed(at.geometry, at.weights, vertex);
+  const Vec3 p = morphed(at.geometry, at.morphs, vertex);
   const Vec3 q = at.joints ? blended(at.geometry.influences, *at.joints, vertex).apply(p) : at.world.apply(p);
   return {rounded(q.x), rounded(q.y), rounded(q.z)};
 }

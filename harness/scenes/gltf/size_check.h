@@ -7,6 +7,7 @@
 #include "harness/scenes/gltf/clip.h"
 #include "harness/scenes/gltf/model.h"
 #include "harness/scenes/gltf/node_tree.h"
+#include "harness/scenes/gltf/visibility.h"
 
 namespace stbvh::harness::gltf {
 
@@ -15,8 +16,8 @@ double most_bytes_of(const Model& model);
 
 /// Throws Problem where keys, geometry, instances and `steps` positions of all that moves, together, need
 /// more than most_bytes_of(model), or an accessor among them reaches beyond its data. `nodes` are those of
-/// the scene.
+/// the scene. Each is counted once or, where it is known, for each time that it is to be seen.
 void check_sizes(const Model& model, const NodeTree& tree, const std::vector<std::size_t>& nodes,
-                 const ClipSource* clip, std::size_t steps);
+                 const ClipSource* clip, std::size_t steps, const Visibility* visibility = nullptr);
 
 }  // namespace stbvh::harness::gltf

@@ -42,7 +42,7 @@ double Timeline::repeated(double time) const {
   return clip_begin_ + (behind < 0 ? behind + period() : behind);
 }
 
-std::vector<Timeline::Moment> Timeline::moments() const {
+std::vector<Timeline::Moment> Timeline::moments(std::span<const Channel* const> channels) const {
   std::vector<Moment> moments;
   if (is_instant()) return moments;
   double first = 0, last = 0;  // repeats that the shutter reaches
@@ -60,7 +60,7 @@ std::vector<Timeline::Moment> Timeline::moments() const {
     --first;  // whose end may be the shutter's beginning
     add(clip_end_, clip_begin_);
   }
-  for (const Channel* channel : rig_->channels()) {
+  for (const Channel* channel : channels) {
     for (std::size_t i = 0; i < channel->times.size(); ++i) {
       const double key = channel->times[i];
       const bool is_new = i == 0 || key != channel->times[i - 1];
@@ -73,9 +73,9 @@ std::vector<Timeline::Moment> Timeline::moments() const {
   return moments;
 }
 
-std::vector<double> Timeline::key_fractions() const {
+std::vector<double> Timeline::key_fractions(std::span<const Channel* const> channels) const {
   std::vector<double> fractions;
-  for (const Moment& moment : moments()) {
+  for (const Moment& moment : moments(channels)) {
     const bool is_new = fractions.empty() || moment.fraction != fractions.back();
     if (is_new && moment.fraction > 0 && moment.fraction < 1) fractions.push_back(moment.fraction);
   }

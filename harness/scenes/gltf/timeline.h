@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "harness/scenes/gltf/clip.h"
@@ -33,9 +34,12 @@ class Timeline {
     double before, after;  ///< seconds of the clip
   };
   /// Those in [0, 1], ascending.
-  std::vector<Moment> moments() const;
+  std::vector<Moment> moments() const { return moments(rig_->channels()); }
+  /// Of some channels only.
+  std::vector<Moment> moments(std::span<const Channel* const> channels) const;
   /// Their fractions inside (0, 1), each once.
-  std::vector<double> key_fractions() const;
+  std::vector<double> key_fractions() const { return key_fractions(rig_->channels()); }
+  std::vector<double> key_fractions(std::span<const Channel* const> channels) const;
 
  private:
   double repeated(double time) const;
