@@ -191,13 +191,47 @@ TEST_F(Writing, WithoutPermissionIsRefusedBeforeAnythingIsDone) {
   }
 }
 
-TEST_F(Writing, OfTablesToAFullDiskIsAFailure) {
-  for (const std::string command : {"list", "--help"}) {
-    const Outcome run = run_command(std::string(STBVH_AB) + " " + command + " 2>&1 >/dev/full");
-    expect_one_line_of_failure(run);
-    EXPECT_NE(run.out.find("Cannot write to standard output: No space left"), std::string::npos) << run.out;
+// --- the standard streams ---
+
+TEST_F(Writing, OfTablesToAFullDiskOrAClosedStreamIsAFailure) {
+  const std::string ab = STBVH_AB;
+  for (const std::string& command : {ab + " list", ab + " --help", ab + " hard --help", ab + " --help-all",
+                                     ab + " --version", std::string(STBVH_PREVIEW) + " --version"}) {
+    for (const auto& [stream, reason] :
+         {std::pair{">/dev/full", "No space left"}, std::pair{">&-", "Bad file descriptor"}}) {
+      const Outcome run = run_command(command + " 2>&1 " + stream);
+      expect_one_line_of_failure(run);
+      EXPECT_NE(run.out.find(std::string("Cannot write to standard output: ") + reason), std::string::npos)
+          << command << stream << run.out;
+    }
   }
 }
+
+TEST_F(Writing, OfLinesThatWereLostLongBeforeTheEndIsAFailure) {
+  const std::string scene = "--scenes wheels --scale 0.01 --size 8x8 --spp 1 ";
+  for (const std::string& command : {"render " + scene + "--structures stbvh -o " + at("a.exr"),
+                                     "truth " + scene + "--frozen-times 2 -o " + at("truth")}) {
+    const Outcome run = run_command(STBVH_AB " " + command + " 2>&1 >/dev/full");
+    EXPECT_EQ(run.exit_code, 1) << run.out;
+    EXPECT_NE(run.out.find("stbvh-ab: Cannot write to standard output"), std::string::npos) << run.out;
+  }
+}
+
+TEST_F(Writing, AStderrThatCannotBeWrittenToChangesNothingElse) {
+  const std::string ab = STBVH_AB;
+  for (const std::string stream : {" 2>/dev/full", " 2>&-"}) {
+    const Outcome hard =
+        run_command(ab + " hard --families slivers-1e4 --structures stbvh-direct --count 20" + stream);
+    EXPECT_EQ(hard.exit_code, 0) << stream;
+    EXPECT_NE(hard.out.find("slivers-1e4"), std::string::npos) << hard.out;
+    EXPECT_EQ(run_command(ab + " error --no-such-option" + stream).exit_code, 2) << stream;
+    EXPECT_EQ(run_command(std::string(STBVH_PREVIEW) + " --no-such-option" + stream).exit_code, 2) << stream;
+    write("a.obj", "usemtl no_such_material\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");  // a warning
+    EXPECT_EQ(run_command(ab + " convert " + at("a.obj") + " -o " + at("a.xml") + stream).exit_code, 0);
+  }
+}
+
+// --- more files ---
 
 TEST_F(Writing, AndReadingALoopOfLinksIsOneLine) {
   for (const char* extension : {"", ".exr", ".json", ".png", ".xml", ".glb", ".obj", ".ecs"}) {
