@@ -38,6 +38,9 @@ void run_build(const BuildOptions& options) {
     throw UsageError(fmt::format("build writes .stbvh files, not \"{}\".", options.output));
   const SceneSource source = find_scene(scenes.front(), options);
   check_writable(options.output);
+  if (is_stream(options.output))
+    throw UsageError(
+        fmt::format("build reads what it wrote: \"{}\" must be a file, and is none.", options.output));
   Progress progress;
   progress.stage(fmt::format("{}: making the scene", source.name));
   const Scene scene = source.load();

@@ -51,12 +51,17 @@ void take_threads(CLI::App& app, Threads& threads, const char* description) {
 bool parse_command_line(CLI::App& app, int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
+    return true;
+  } catch (const CLI::CallForHelp&) {
+    fmt::print("{}", app.help());
+  } catch (const CLI::CallForAllHelp&) {
+    fmt::print("{}", app.help("", CLI::AppFormatMode::All));
+  } catch (const CLI::CallForVersion& version) {
+    fmt::print("{}\n", version.what());
   } catch (const CLI::ParseError& e) {
-    if (e.get_exit_code() != 0) throw UsageError(e.what());
-    app.exit(e);
-    return false;
+    throw UsageError(e.what());
   }
-  return true;
+  return false;
 }
 
 std::optional<double> parse_number(std::string_view text) {

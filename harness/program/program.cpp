@@ -1,6 +1,7 @@
 #include "harness/program/program.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <gmp.h>
 #include <unistd.h>
@@ -12,6 +13,7 @@
 #include <exception>
 #include <filesystem>
 #include <new>
+#include <stdexcept>
 #include <system_error>
 
 #include "harness/files/user_error.h"
@@ -27,7 +29,7 @@ constexpr const char* kNoMemory = "Not enough memory.";
 
 int fail(int code, const std::string& text) {
   std::fflush(stdout);
-  fmt::print(stderr, "{}: {}\n", program_invocation_short_name, one_line(text));
+  write_to_stderr(fmt::format("{}: {}\n", program_invocation_short_name, one_line(text)));
   return code;
 }
 
@@ -75,8 +77,18 @@ void release(void* data, std::size_t) {
   std::free(data);
 }
 
+/// A file of ours would get the number of a stream that is closed: others would write into it, and take it
+/// for their input. What is written to a closed stdout must still be an error, so its stand-in can only be
+/// read.
+void open_closed_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (fcntl(stream, F_GETFD) < 0) open("/dev/null", stream == STDERR_FILENO ? O_WRONLY : O_RDONLY);
+  }
+}
+
 /// Runs before the constructors of all libraries, which take memory too.
 void prepare(int, char**, char**) {
+  open_closed_streams();
   std::set_new_handler(on_new_failed);
   std::set_terminate(on_terminate);
   mp_set_memory_functions(allocate_or_end, reallocate_or_end, release);  // GMP itself would abort
@@ -86,6 +98,7 @@ __attribute__((section(".preinit_array"), used)) void (*const prepare_first)(int
 
 void flush_output() {
   if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category());
+  if (std::ferror(stdout) != 0) throw std::runtime_error("Cannot write to standard output.");  // earlier
 }
 
 }  // namespace
@@ -95,6 +108,15 @@ std::string one_line(std::string text) {
     if ((c >= 0 && c < ' ') || c == '\x7f') c = '?';
   }
   return text;
+}
+
+void write_to_stderr(std::string_view text) noexcept {
+  while (!text.empty()) {
+    const ssize_t written = write(STDERR_FILENO, text.data(), text.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return;
+    text.remove_prefix(static_cast<std::size_t>(written));
+  }
 }
 
 int run_as_program(const std::function<void()>& work) {

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <cstdio>
+#include "harness/program/program.h"
 
 namespace stbvh::harness {
 namespace {
@@ -24,15 +24,12 @@ void Progress::stage(std::string_view text) {
   if (!is_terminal_ && now - last_ < kBetweenLines) return;
   last_ = now;
   const double seconds = std::chrono::duration<double>(now - start_).count();
-  fmt::print(stderr, "{}[{:5.0f} s] {}{}", is_terminal_ ? "\r\x1b[K" : "", seconds, text,
-             is_terminal_ ? "" : "\n");
-  std::fflush(stderr);
+  write_to_stderr(fmt::format("{}[{:5.0f} s] {}{}", is_terminal_ ? "\r\x1b[K" : "", seconds, text,
+                              is_terminal_ ? "" : "\n"));
 }
 
 void Progress::clear() {
-  if (!is_terminal_) return;
-  fmt::print(stderr, "\r\x1b[K");
-  std::fflush(stderr);
+  if (is_terminal_) write_to_stderr("\r\x1b[K");
 }
 
 }  // namespace stbvh::harness

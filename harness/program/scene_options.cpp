@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <span>
 #include <string_view>
 
@@ -109,7 +108,7 @@ void keep_words(CLI::App& app, std::size_t first, std::vector<std::string>& word
 
 void print_warning(const std::string& sentence) {
   const bool is_terminal = isatty(STDERR_FILENO) != 0;  // where a line of Progress may stand
-  fmt::print(stderr, "{}stbvh-ab: {}\n", is_terminal ? "\r\x1b[K" : "", one_line(sentence));
+  write_to_stderr(fmt::format("{}stbvh-ab: {}\n", is_terminal ? "\r\x1b[K" : "", one_line(sentence)));
 }
 
 std::vector<std::string> named_scenes(const std::vector<std::string>& asked) {

@@ -17,9 +17,15 @@ struct OutputFileError : std::runtime_error {
 /// Throws OutputFileError if write_file could not write to `path` as things stand. Leaves nothing behind.
 void check_writable(const std::filesystem::path& path);
 
-/// Writes `bytes` to `path`: under a temporary name beside it, then renamed, so that the file appears whole
-/// or not at all. A link stays a link. What is not a regular file (a device, a pipe) is written to directly;
-/// a pipe waits for who reads it. Throws OutputFileError.
+/// Whether write_file writes into what `path` is: a pipe, a device, or what is open (/dev/stdout, /dev/fd/3),
+/// also where that is a file.
+bool is_stream(const std::filesystem::path& path);
+
+/// Writes `bytes` to `path`: into a new file beside it, which has no name before it is complete where the
+/// file system knows such, then renamed, so that the file appears whole or not at all. A link stays a link; a
+/// file that is replaced keeps owner and mode. Where that cannot be (no right to the folder, a mount point)
+/// the bytes go into the file that is there, which must be writable in any case. A stream gets them behind
+/// what it has; a pipe waits for who reads it. Throws OutputFileError.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
 /// A file to be written; its parts stand one behind the other.

@@ -162,6 +162,27 @@ TEST_F(Records, OnAFullDiskAreReportedAfterTheTable) {
   EXPECT_NE(run.out.find("Cannot write to \"" + at("full") + "\""), std::string::npos) << run.out;
 }
 
+/// The log keeps what it has, and gets the tables, then the records.
+TEST_F(Records, IntoStandardOutputStandBehindTheTables) {
+  for (const char* const file : {"/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"}) {
+    for (const char* const redirection : {">>", "1<>"}) {
+      write("log", "my old log\n");
+      const std::string log = std::string(redirection) == ">>" ? at("log") : at("new");
+      fs::remove(at("new"));
+      const Outcome run = run_command(fmt::format(
+          "{} hard --families slivers-1e4 --structures stbvh-direct --count 20 --json {} {}{} 2>&1", STBVH_AB,
+          file, redirection, log));
+      EXPECT_EQ(run.exit_code, 0) << run.out;
+      const std::string text = read_file(log);
+      EXPECT_EQ(text.starts_with("my old log\n"), log == at("log")) << text;
+      const std::size_t table = text.find("\nfamily"), records = text.find("\n{");
+      ASSERT_NE(records, std::string::npos) << text;
+      EXPECT_LT(table, records);
+      EXPECT_TRUE(nlohmann::json::accept(text.substr(records))) << text;
+    }
+  }
+}
+
 TEST_F(Records, OfBenchHoldEveryStructureAndKind) {
   const auto all = records(
       "bench --scenes wheels,cloth --scale 0.02 --structures stbvh,lbvh --rays bounce,shadow --count 500 "

@@ -1,9 +1,14 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/mount.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -13,6 +18,7 @@
 #include "harness/files/input_file.h"
 #include "harness/files/numbers.h"
 #include "harness/files/text.h"
+#include "plugin/files/open_file.h"
 #include "plugin/files/output_file.h"
 #include "tests/harness/temporary_folder.h"
 
@@ -195,6 +201,165 @@ TEST_F(OutputFile, UnwritablePlacesAreRefused) {
   EXPECT_THROW(check_writable(folder), OutputFileError);
   EXPECT_THROW(check_writable(folder / ""), OutputFileError);
   EXPECT_THROW(write_file(folder / "none" / "a.json", "x"), OutputFileError);
+}
+
+TEST_F(OutputFile, HasANameAsLongAsThereIs) {
+  const std::string longest(255, 'a');
+  check_writable(folder / longest);
+  write_file(folder / longest, "one");
+  EXPECT_EQ(read_file(folder / longest), "one");
+  EXPECT_THROW(check_writable(folder / (longest + "a")), OutputFileError);
+  EXPECT_THROW(write_file(folder / (longest + "a"), "one"), OutputFileError);
+}
+
+struct stat status_of(const fs::path& file) {
+  struct stat status;
+  EXPECT_EQ(stat(file.c_str(), &status), 0) << file;
+  return status;
+}
+
+TEST_F(OutputFile, KeepsOwnerAndModeOfWhatItReplaces) {
+  fs::permissions(write("a", "one"), fs::perms::owner_read | fs::perms::owner_write);
+  const bool is_root = geteuid() == 0;
+  if (is_root) {
+    ASSERT_EQ(chown(at("a").c_str(), 65534, 65533), 0);
+  }
+  const ino_t before = status_of(folder / "a").st_ino;
+  write_file(folder / "a", "two");
+  const struct stat after = status_of(folder / "a");
+  EXPECT_EQ(read_file(folder / "a"), "two");
+  EXPECT_NE(after.st_ino, before);
+  EXPECT_EQ(after.st_mode & 07777u, 0600u);
+  EXPECT_EQ(after.st_uid, is_root ? 65534 : geteuid());
+  EXPECT_EQ(after.st_gid, is_root ? 65533 : getegid());
+}
+
+TEST_F(OutputFile, OpenFilesGetTheBytesBehindWhatTheyHave) {
+  const fs::path log = write("log", "my old log\n");
+  const OpenFile own(log, O_WRONLY | O_APPEND), read_only(log, O_RDONLY);
+  const std::string number = std::to_string(own.descriptor());
+  fs::create_symlink("/dev/fd/" + number, folder / "link");
+  const ino_t before = status_of(log).st_ino;
+  for (const fs::path& path :
+       {fs::path("/proc/self/fd/" + number), fs::path("/dev/fd/" + number), folder / "link"}) {
+    EXPECT_TRUE(is_stream(path)) << path;
+    check_writable(path);
+    write_file(path, "new\n");
+  }
+  EXPECT_EQ(read_file(log), "my old log\nnew\nnew\nnew\n");
+  EXPECT_EQ(status_of(log).st_ino, before);
+  EXPECT_FALSE(is_stream(log));
+  EXPECT_THROW(check_writable("/dev/fd/" + std::to_string(read_only.descriptor())), OutputFileError);
+}
+
+/// Bytes that are written next stand behind them too, where the file was not opened to append.
+TEST_F(OutputFile, OpenFilesGoOnBehindTheBytes) {
+  const OpenFile own(folder / "log", O_WRONLY | O_CREAT);
+  const std::vector<std::string_view> parts{"two "};
+  write_file("/dev/fd/" + std::to_string(own.descriptor()), "one ");
+  EXPECT_TRUE(own.write_all(parts));
+  write_file("/dev/fd/" + std::to_string(own.descriptor()), "three");
+  EXPECT_EQ(read_file(folder / "log"), "one two three");
+}
+
+TEST_F(OutputFile, OpenFilesOfOthersAreAppendedTo) {
+  const OpenFile theirs(write("log", "my old log\n"), O_WRONLY);
+  const pid_t child = fork();
+  if (child == 0) {
+    pause();
+    _exit(0);
+  }
+  const std::string path =
+      "/proc/" + std::to_string(child) + "/fd/" + std::to_string(theirs.descriptor());  // inherited
+  check_writable(path);
+  write_file(path, "new\n");
+  EXPECT_EQ(read_file(folder / "log"), "my old log\nnew\n");
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+}
+
+/// Files that cannot be replaced.
+class InPlace : public TemporaryFolderTest {
+ protected:
+  void SetUp() override {
+    if (geteuid() != 0) GTEST_SKIP() << "only root may become another user";
+    fs::permissions(folder, fs::perms::all);
+  }
+
+  /// Whether `work`, done by nobody, throws no OutputFileError.
+  static bool works_for_nobody(const std::function<void()>& work) {
+    const pid_t child = fork();
+    if (child == 0) {
+      if (setgid(65534) != 0 || setuid(65534) != 0) _exit(2);
+      try {
+        work();
+      } catch (const OutputFileError&) {
+        _exit(1);
+      }
+      _exit(0);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) < 2) << status;
+    return status == 0;
+  }
+
+  /// Root's, with this mode, in the folder "to" with that one.
+  fs::path make(mode_t folders, mode_t files) const {
+    const fs::path file = write("to/a", "a longer old text");
+    chmod(file.c_str(), files);
+    chmod(at("to").c_str(), folders);
+    return file;
+  }
+
+  static void expect_written(const fs::path& file) {
+    EXPECT_TRUE(works_for_nobody([&] { check_writable(file); }));
+    EXPECT_TRUE(works_for_nobody([&] { write_file(file, "new"); }));
+    EXPECT_EQ(read_file(file), "new");
+    EXPECT_EQ(status_of(file).st_uid, 0u);
+    EXPECT_EQ(std::distance(fs::directory_iterator(file.parent_path()), {}), 1);
+  }
+  static void expect_refused_before(const fs::path& file) {
+    EXPECT_FALSE(works_for_nobody([&] { check_writable(file); }));
+    EXPECT_FALSE(works_for_nobody([&] { write_file(file, "new"); }));
+    EXPECT_EQ(read_file(file), "a longer old text");
+  }
+};
+
+TEST_F(InPlace, WhereTheFolderIsNotWritable) {
+  expect_written(make(0755, 0666));
+  expect_refused_before(make(0755, 0644));
+  EXPECT_FALSE(works_for_nobody([&] { check_writable(folder / "to" / "new"); }));
+}
+
+TEST_F(InPlace, WhereAStickyFolderKeepsAnothersFile) {
+  expect_written(make(01777, 0666));
+  expect_refused_before(make(01777, 0644));
+}
+
+TEST_F(InPlace, WhereAFileOfAnotherWouldChangeHands) {
+  expect_written(make(0777, 0666));
+}
+
+TEST_F(InPlace, WhereAFileIsMounted) {
+  const fs::path file = make(0777, 0666), behind = write("behind", "a longer old text");
+  if (mount(behind.c_str(), file.c_str(), nullptr, MS_BIND, nullptr) != 0)
+    GTEST_SKIP() << "no right to mount";
+  check_writable(file);
+  write_file(file, "new");
+  EXPECT_EQ(read_file(file), "new");
+  umount(file.c_str());
+  EXPECT_EQ(read_file(behind), "new");
+}
+
+TEST_F(InPlace, StaysAsItWasWhereThereIsNoRoom) {
+  fs::create_directory(folder / "to");
+  if (mount("stbvh", at("to").c_str(), "tmpfs", 0, "size=64k") != 0) GTEST_SKIP() << "no right to mount";
+  const fs::path file = make(0755, 0666);
+  EXPECT_FALSE(works_for_nobody([&] { write_file(file, std::string(1 << 20, 'x')); }));
+  EXPECT_EQ(read_file(file), "a longer old text");
+  expect_written(file);
+  umount(at("to").c_str());
 }
 
 TEST_F(OutputFile, LinksToWhatIsNotThereYetStayLinks) {

@@ -124,6 +124,9 @@ TEST(SavedScene, IsBuiltByACommandAndTakenByOthers) {
   const Outcome asked = stbvh_ab("error --scenes " + file + " --structures stbvh-direct,stbvh --count 500");
   EXPECT_EQ(asked.exit_code, 0) << asked.out;
   expect_refusal(stbvh_ab("build wheels -o " + file + ".txt"), "build writes .stbvh files");
+  const std::string pipe = (folder.path() / "pipe.stbvh").string();
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  expect_refusal(stbvh_ab("build wheels -o " + pipe), "pipe.stbvh\" must be a file");
   expect_refusal(stbvh_ab("build all -o " + file), "one scene at a time");
   expect_refusal(stbvh_ab("error --scenes /no/such/file.stbvh"), "There is no file");
   write_file(file, "nothing");

@@ -108,6 +108,22 @@ TEST_F(ShotsTest, PicturesHaveTheFilesFaces) {
   EXPECT_GT(others, 0u);
 }
 
+/// The file that the script writes must not get the number of a stream.
+TEST_F(ShotsTest, AreReadWithClosedStreamsToo) {
+  for (const char* streams : {"<&-", "2>&-", "<&- 2>&-"}) {
+    const Outcome run = run_command(fmt::format("{} convert {} --resample-steps 9 -o {} {}", STBVH_AB,
+                                                data("turning_bar.usda").string(), at("bar.xml"), streams));
+    EXPECT_EQ(run.exit_code, 0) << streams << run.out;
+    EXPECT_EQ(run.out, at("bar.xml") + "\n") << streams;
+  }
+  const Outcome run = run_command(fmt::format("{} convert {} --resample-steps 9 -o {} 2>&1 >&-", STBVH_AB,
+                                              data("turning_bar.usda").string(), at("bar.xml")));
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_NE(run.out.find("stbvh-ab: Cannot write to standard output: Bad file descriptor."),
+            std::string::npos)
+      << run.out;
+}
+
 /// What a closed mesh encloses, above 0 where its faces are wound counterclockwise seen from outside.
 double volume(const Mesh& mesh) {
   double sum = 0;
