@@ -1,5 +1,6 @@
 #include "harness/program/script.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -16,6 +17,7 @@
 #include <utility>
 
 #include "harness/scenes/cancellation.h"
+#include "plugin/files/open_file.h"
 
 extern char** environ;  // NOLINT: POSIX declares it nowhere
 
@@ -37,6 +39,13 @@ std::string find_script(const std::string& own_folder, const std::string& name) 
   throw std::runtime_error(
       fmt::format("{} is not there: it belongs into {}.", name,
                   (program_folder / kScriptFolders[0] / own_folder).lexically_normal().string()));
+}
+
+/// Python prints many lines where it cannot open what it needs.
+bool can_open(int files) {
+  if (files == 0) return true;
+  const OpenFile one("/", O_PATH);
+  return one.is_open() && can_open(files - 1);
 }
 
 /// The status that `child` ends with. Where the caller's work is cancelled it is ended: SceneCancelled.
@@ -82,6 +91,10 @@ std::optional<ScriptEnd> run_program(std::vector<std::string> words) {
 
 ScriptEnd run_python(const std::string& folder, const std::string& name,
                      const std::vector<std::string>& arguments) {
+  constexpr int kOpenFiles = 16;
+  if (!can_open(kOpenFiles))
+    throw std::runtime_error(
+        fmt::format("{} needs {} open files, and fewer are left (ulimit -n).", name, kOpenFiles));
   // -B: no compiled files beside the sources.
   std::vector<std::string> words{"/usr/bin/python3", "-B", find_script(folder, name)};
   words.insert(words.end(), arguments.begin(), arguments.end());

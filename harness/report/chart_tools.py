@@ -3,21 +3,41 @@
 Needs Debian's python3-matplotlib. What goes wrong ends the script with exit code 2 and one line on stderr.
 """
 import io
+import logging
+import mmap
 import os
+import tempfile
 import warnings
 
-from record_files import distinct, fail, write_whole
+from record_files import distinct, write_whole
 
-try:
-    import matplotlib
-    import matplotlib.colors
+ROOM = 512 << 20  # address space for matplotlib: OpenBLAS, which does its arithmetic, waits for ever where it has less
 
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt  # noqa: E402  (the backend comes first)
-except ImportError as error:
-    fail(f"Charts need Debian's python3-matplotlib ({error}).")
 
-warnings.simplefilter("ignore", UserWarning)  # matplotlib's, of names in scripts that the font lacks and the like
+def import_matplotlib():
+    """Without threads, and without what the user's environment, folders and the current folder say about it."""
+    mmap.mmap(-1, ROOM).close()
+    os.environ.update(OPENBLAS_NUM_THREADS="1", MPLBACKEND="Agg")
+    os.environ.pop("MATPLOTLIBRC", None)
+    here = os.open(".", os.O_PATH)
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["MPLCONFIGDIR"] = folder
+        os.chdir(folder)
+        try:
+            import matplotlib.colors
+            import matplotlib.pyplot
+        finally:
+            os.fchdir(here)
+            os.close(here)
+    return matplotlib
+
+
+matplotlib = import_matplotlib()
+plt = matplotlib.pyplot
+
+# matplotlib's, of names in scripts that the font lacks and the like.
+warnings.simplefilter("ignore", UserWarning)
+logging.disable()
 
 # The same records give the same bytes: no random ids, no date.
 matplotlib.rcParams["svg.hashsalt"] = "stbvh"

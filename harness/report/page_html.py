@@ -8,6 +8,7 @@ import os
 import re
 
 import page_blocks as blocks
+from record_files import read_bytes
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 
@@ -42,8 +43,7 @@ class HtmlPage:
     def read(self, path):
         if ".." in path.split("/"):
             raise ValueError(f'"{path}" is not below the folder of the report')
-        with open(os.path.join(self.folder, path), "rb") as file:
-            return file.read()
+        return read_bytes(os.path.join(self.folder, path))
 
     def text(self, block):
         return f"<p>{inline(block.text)}</p>"

@@ -2,10 +2,12 @@
 
 What goes wrong ends the script with exit code 2 (1 without memory) and one line on stderr.
 """
+import errno
 import itertools
 import json
 import math
 import os
+import re
 import signal
 import stat
 import sys
@@ -25,27 +27,44 @@ def printable(text):
 
 
 def fail(text, exit_code=2):
-    """Ends the script: one line on stderr."""
-    print(f"stbvh-ab: {printable(text)}", file=sys.stderr)
-    sys.exit(exit_code)
+    """Ends the script: one line on stderr, and not by Python's own end, in which libraries may wait for their threads."""
+    for stream, last in ((sys.stdout, ""), (sys.stderr, f"stbvh-ab: {printable(text)}\n")):
+        try:
+            print(end=last, file=stream, flush=True)
+        except (OSError, AttributeError, ValueError):  # it is full or closed
+            pass
+    os._exit(exit_code)
+
+
+def end_with(error):
+    """What nobody thought of ends the script with one line, too."""
+    if isinstance(error, MemoryError) or isinstance(error, OSError) and error.errno == errno.ENOMEM:
+        fail("Not enough memory.", 1)
+    if isinstance(error, ImportError):
+        fail(f"Charts need Debian's python3-matplotlib ({' '.join(str(error).split())[:200]}).")
+    if isinstance(error, RecursionError):
+        fail("The records are nested too deeply.")
+    if isinstance(error, OSError):
+        place = f'"{error.filename}"' if error.filename else "standard output"
+        fail(f"Cannot read or write {place}: {error.strerror}.")
+    if isinstance(error, KeyError):
+        fail(f"Records lack the field {error}: they are of another version of stbvh-ab.")
+    if isinstance(error, (ArithmeticError, AttributeError, IndexError, TypeError, ValueError)):
+        fail(f"Records do not hold what they should: {error}.")
+    fail(f"{type(error).__name__}: {error}.", 1)
+
+
+# Also while modules are imported.
+sys.excepthook = lambda kind, error, trace: end_with(error)
 
 
 def run(main):
-    """Runs a script. Also what nobody thought of ends it with one line."""
-    try:
-        main()
+    """Runs a script."""
+    if sys.stdout:
+        sys.stdout.reconfigure(errors="backslashreplace")  # names of files need not be text
+    main()
+    if sys.stdout:
         sys.stdout.flush()
-    except MemoryError:
-        fail("Not enough memory.", 1)
-    except RecursionError:
-        fail("The records are nested too deeply.")
-    except OSError as error:
-        place = f'"{error.filename}"' if error.filename else "standard output"
-        fail(f"Cannot read or write {place}: {error.strerror}.")
-    except KeyError as error:
-        fail(f"Records lack the field {error}: they are of another version of stbvh-ab.")
-    except (ArithmeticError, AttributeError, IndexError, TypeError, ValueError) as error:
-        fail(f"Records do not hold what they should: {error}.")
 
 
 # --- reading ---
@@ -74,17 +93,32 @@ def checked_int(text):
     return int(text)
 
 
-def parsed(path):
-    """What a file of JSON holds. Ends the script if it cannot be read."""
+def read_bytes(path):
+    """What a regular file holds, or a pipe that is open already (`<(...)` of a shell). Ends the script if it cannot be read.
+
+    A pipe with a name may have nobody who writes, and a device no end.
+    """
     try:
-        with open(path, "rb") as file:
+        with open(os.open(path, os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
+            mode = os.fstat(file.fileno()).st_mode
+            if stat.S_ISFIFO(mode) and is_descriptor(target_of(path)):
+                os.set_blocking(file.fileno(), True)
+            elif not stat.S_ISREG(mode):
+                fail(f'"{path}" is not a regular file.')
             data = file.read(MOST_BYTES + 1)
-        if len(data) > MOST_BYTES:
-            fail(f'"{path}" has more than the {MOST_BYTES} bytes that are read of records.')
-        return json.loads(data.decode("utf-8-sig"), object_pairs_hook=checked_object, parse_float=checked_float,
-                          parse_int=checked_int, parse_constant=checked_float)
     except OSError as error:
         fail(f'Cannot read "{path}": {error.strerror}.')
+    if len(data) > MOST_BYTES:
+        fail(f'"{path}" has more than the {MOST_BYTES} bytes that are read of it.')
+    return data
+
+
+def parsed(path):
+    """What a file of JSON holds. Ends the script if it cannot be read."""
+    data = read_bytes(path)
+    try:
+        return json.loads(data.decode("utf-8-sig"), object_pairs_hook=checked_object, parse_float=checked_float,
+                          parse_int=checked_int, parse_constant=checked_float)
     except ValueError as error:
         fail(f'"{path}" is not whole JSON: {error}.')
     except RecursionError:
@@ -183,19 +217,52 @@ def make_folder(path):
 
 
 PARTIAL_NAMES = itertools.count()
+MOST_LINKS = 40  # as Linux
+
+
+def is_descriptor(path):
+    """Whether it is the link to a file that a process has open: to the file, not to its name."""
+    return re.fullmatch(r"/proc/\d+(/task/\d+)?/fd", os.path.realpath(os.path.dirname(path))) is not None
+
+
+def target_of(path):
+    """Where links lead to, also if nothing is there yet."""
+    target = path
+    for _ in range(MOST_LINKS + 1):
+        if not os.path.islink(target) or is_descriptor(target):
+            return target
+        target = os.path.join(os.path.dirname(target), os.readlink(target))
+    raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
+
+
+def is_replaced(target):
+    """Whether writing there makes a file, or replaces one; what else there is, is opened and written to."""
+    return not is_descriptor(target) and (os.path.isfile(target) or not os.path.exists(target))
+
+
+def earlier_file(path):
+    """What the file holds that write_whole() would replace; None where there is none. Ends the script if it cannot."""
+    try:
+        target = target_of(path)
+    except OSError as error:
+        fail(f'Cannot read "{path}": {error.strerror}.')
+    return read_bytes(path) if is_replaced(target) and os.path.exists(target) else None
 
 
 def write_whole(path, data):
-    """Writes bytes to a file, whole or not at all. A link stays a link; a device or pipe is written to directly.
+    """Writes bytes to a file, whole or not at all. A link stays a link; a device or pipe is written to directly, and at its end
+    what the program has open already.
 
     As write_file() of plugin/files. Ends the script if it cannot.
     """
     try:
-        if os.path.exists(path) and not stat.S_ISREG(os.stat(path).st_mode):
-            with open(path, "wb", buffering=0) as file:
+        if not os.path.basename(path):
+            raise OSError(errno.EISDIR, os.strerror(errno.EISDIR))
+        target = target_of(path)
+        if not is_replaced(target):
+            with open(os.open(target, os.O_WRONLY | os.O_APPEND), "wb") as file:
                 file.write(data)
             return
-        target = os.path.realpath(path)
         partial = f"{target}.{os.getpid()}-{next(PARTIAL_NAMES)}.partial"
         try:
             with open(partial, "xb") as file:

@@ -12,7 +12,6 @@ part and where the page is.
 import argparse
 import json
 import os
-import shutil
 import subprocess
 import sys
 
@@ -20,7 +19,7 @@ import report_sections as sections
 from page_blocks import Chart, Text
 from page_html import html_page
 from page_markdown import markdown_page
-from record_files import distinct, fail, make_folder, read_file, run, write_whole
+from record_files import distinct, fail, make_folder, read_bytes, read_file, run, write_whole
 
 TITLE = "STBVH for Embree: measurements"
 PARTS = ("bench", "error", "hard", "renders", "pareto", "truth")
@@ -70,7 +69,7 @@ class Measuring:
 
     def copy(self, source, target):
         if not (os.path.exists(target) and os.path.samefile(source, target)):
-            shutil.copyfile(source, target)
+            write_whole(target, read_bytes(source))
 
     def command(self, part, words):
         """Runs the program with --json RECORDS at the end. Returns what it printed; ends the script if it failed."""
@@ -170,8 +169,7 @@ class Measuring:
 
 
 def read_json(path):
-    with open(path, encoding="utf-8") as file:
-        return json.load(file)
+    return json.loads(read_bytes(path))
 
 
 # --- the page ---
@@ -185,11 +183,10 @@ def read_parts(measuring):
 def drawn_charts(records, of_gallery, folder):
     """Charts by name; None without matplotlib."""
     try:
-        import matplotlib  # noqa: F401
+        import chart_tools
     except ImportError:
         return None
     import charts
-    import chart_tools
     import gallery_charts
     import plot_pareto
 

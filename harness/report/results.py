@@ -7,13 +7,12 @@ Reads what bench, error and hard wrote. In a file that has the two marker lines 
 replaced. Records from a tree with uncommitted changes are refused.
 """
 import argparse
-import os
 import re
 from statistics import geometric_mean
 
 from page_blocks import Section, Table, Text
 from page_markdown import write
-from record_files import check_distinct, distinct, fail, grouped, machine_type, read_file, run, write_whole
+from record_files import check_distinct, distinct, earlier_file, fail, grouped, machine_type, read_file, run, write_whole
 from report_sections import HARD, REFERENCE, WRONG, in_words, number, ours_among, together
 
 BEGIN, END = "<!-- made by stbvh-ab results: begin -->", "<!-- made by stbvh-ab results: end -->"
@@ -159,15 +158,13 @@ def main():
     if not sections:
         fail("There is nothing to show: no summaries of bench, no records of error and hard.")
     text = "\n\n".join([write(machine_table(machines))] + [write(section) for section in sections])
-    page = f"{BEGIN}\n{END}\n"
-    if os.path.exists(arguments.output):
-        with open(arguments.output, encoding="utf-8") as file:
-            page = file.read()
+    earlier = earlier_file(arguments.output)
+    page = f"{BEGIN}\n{END}\n" if earlier is None else earlier.decode(errors="surrogateescape")
     before, begin, rest = page.partition(BEGIN)
     _, end, after = rest.partition(END)
     if not begin or not end:
         fail(f'"{arguments.output}" does not have the lines "{BEGIN}" and "{END}".')
-    write_whole(arguments.output, f"{before}{BEGIN}\n\n{text}\n\n{END}{after}".encode())
+    write_whole(arguments.output, f"{before}{BEGIN}\n\n{text}\n\n{END}{after}".encode(errors="surrogateescape"))
     print(arguments.output, flush=True)
 
 
