@@ -1,5 +1,5 @@
-/// Bytes -> an .ecs file, beside scene.xml and scene.obj that it may name -> a scene, or the refusal; what can
-/// be read is written, and read again.
+/// Bytes -> an .ecs file, beside scene.xml and scene.obj that it may name -> a scene, or the refusal; what
+/// can be read is written, and read again.
 #include <optional>
 
 #include "harness/scenes/embree_xml/embree_xml.h"
