@@ -1,6 +1,10 @@
-/// Bytes -> an .ecs file, beside scene.xml and scene.obj that it may name -> a scene, or the refusal.
+/// Bytes -> an .ecs file, beside scene.xml and scene.obj that it may name -> a scene, or the refusal; what
+/// can be read is written, and read again.
+#include <optional>
+
 #include "harness/scenes/embree_xml/embree_xml.h"
 #include "reader_input.h"
+#include "written_again.h"
 
 namespace stbvh::fuzz {
 namespace {
@@ -19,10 +23,14 @@ InputFolder make_folder() {
 
 void run(Bytes bytes) {
   static const InputFolder folder = make_folder();
+  std::optional<harness::Scene> scene;
   try {
-    check_scene(harness::load_embree_xml(folder.write("input.ecs", bytes)));
+    scene = harness::load_embree_xml(folder.write("input.ecs", bytes));
   } catch (const harness::SceneFileError&) {
+    return;
   }
+  check_scene(*scene);
+  check_written(*scene);
 }
 
 }  // namespace stbvh::fuzz

@@ -197,6 +197,21 @@ TEST_F(EmbreeXmlExtremes, WhatIsWrittenCanBeRead) {
   for (const std::size_t count : {cameras, lights, discs, ranges, empty}) EXPECT_GT(count, 20u);
 }
 
+/// Of some the nearest radiance would be read as an infinite irradiance.
+TEST_F(EmbreeXmlExtremes, TheBrightestDiscsCanBeReadAgain) {
+  Scene scene;
+  scene.meshes.push_back(triangle_of(1));
+  for (float angle = 35; angle <= 90; angle += 0.5f) {
+    scene.directional_lights = {
+        {.direction = {0, -1, 0}, .irradiance = {kMost, kMost, 0}, .half_angle_degrees = angle}};
+    const fs::path file = write_xml(scene);
+    ASSERT_EQ(refusal_of(file), "") << angle;
+    const DirectionalLight light = load_file(file).directional_lights.at(0);
+    EXPECT_EQ(light.half_angle_degrees, angle);
+    EXPECT_GE(light.irradiance.x, kMost * (1 - 1e-6f)) << angle;
+  }
+}
+
 TEST_F(EmbreeXmlExtremes, CamerasOfTinyScenesComeBackBitForBit) {
   for (const float size : {1e-44f, 1e-40f, 1e-38f, 1e-30f, 1e-20f, 1.0f}) {
     Scene scene;
