@@ -29,6 +29,7 @@
 #include "harness/program/progress.h"
 #include "harness/program/scene_source.h"
 #include "harness/program/session.h"
+#include "harness/program/unnamed_file.h"
 #include "harness/program/usage_error.h"
 #include "harness/report/machine.h"
 #include "harness/scenes/scene_hash.h"
@@ -57,6 +58,7 @@ class Outputs {
     if (is_folder_) make_folder(output_);
     if (frames.empty()) frames.push_back(std::nullopt);
     std::set<fs::path> all;
+    if (has_film(options)) const UnnamedFile of_film;  // it can be made
     const auto check = [&](const fs::path& path) {
       if (!all.insert(path).second)
         throw UsageError(fmt::format("Two pictures would be written to \"{}\".", path.string()));

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <string_view>
@@ -58,7 +59,7 @@ void InputFile::read(std::size_t offset, std::span<char> bytes) const {
 }
 
 std::string read_text_file(const std::filesystem::path& path, std::size_t most_bytes) {
-  std::string text = read_whole_file(path, most_bytes);
+  std::string text = read_whole_text(path, most_bytes);
   for (const auto& [mark, encoding] : kWideMarks) {
     if (text.starts_with(mark)) throw InputFileError(fmt::format("is {} text, not UTF-8", encoding));
   }
@@ -72,6 +73,18 @@ std::string read_whole_file(const std::filesystem::path& path, std::size_t most_
   const InputFile file(path, most_bytes);
   std::string bytes(file.size(), '\0');
   file.read(0, bytes);
+  return bytes;
+}
+
+std::string read_whole_text(const std::filesystem::path& path, std::size_t most_bytes) {
+  constexpr std::size_t kBeginning = 4096, kRow = 8;  // more zeros than wide characters have
+  const InputFile file(path, most_bytes);
+  std::string bytes(std::min(kBeginning, file.size()), '\0');
+  file.read(0, bytes);
+  if (bytes.find(std::string(kRow, '\0')) != std::string::npos) throw InputFileError("is not text");
+  const std::size_t begun = bytes.size();
+  bytes.resize(file.size());
+  file.read(begun, std::span(bytes).subspan(begun));
   return bytes;
 }
 

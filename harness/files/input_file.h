@@ -24,6 +24,10 @@ inline constexpr std::size_t kMaxHandwrittenBytes = std::size_t{16} << 20;
 /// memory is taken for it: a sparse file of a terabyte takes no room on the disk.
 std::string read_whole_file(const std::filesystem::path& path, std::size_t most_bytes);
 
+/// The same for text in any encoding. Refuses a file in whose beginning there is a row of zeros, before the
+/// rest is read: a sparse file has nothing else.
+std::string read_whole_text(const std::filesystem::path& path, std::size_t most_bytes);
+
 /// The same for text in UTF-8, without the byte order mark that it may begin with. Refuses text whose mark
 /// says UTF-16 or UTF-32, or that has bytes of 0, as such text has without a mark.
 std::string read_text_file(const std::filesystem::path& path, std::size_t most_bytes);

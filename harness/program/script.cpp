@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spawn.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 
 #include <cerrno>
@@ -48,13 +49,18 @@ bool can_open(int files) {
   return one.is_open() && can_open(files - 1);
 }
 
-/// The status that `child` ends with. Where the caller's work is cancelled it is ended: SceneCancelled.
-int end_of(pid_t child) {
+/// How `child` ends. Where the caller's work is cancelled it is ended: SceneCancelled.
+ScriptEnd end_of(pid_t child) {
   constexpr std::chrono::milliseconds kWait{10};
   for (int status = 0;; std::this_thread::sleep_for(kWait)) {
-    const pid_t ended = waitpid(child, &status, WNOHANG);
-    if (ended == child) return status;
-    if (ended < 0) throw std::system_error(errno, std::generic_category(), "waitpid");
+    rusage used{};
+    const pid_t ended = wait4(child, &status, WNOHANG, &used);
+    if (ended == child) {
+      return {.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 0,
+              .signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0,
+              .most_bytes = static_cast<std::size_t>(used.ru_maxrss) * 1024};
+    }
+    if (ended < 0) throw std::system_error(errno, std::generic_category(), "wait4");
     if (!tbb::is_current_task_group_canceling()) continue;
     kill(child, SIGKILL);
     waitpid(child, &status, 0);
@@ -76,9 +82,7 @@ std::optional<ScriptEnd> run(std::vector<std::string> words, const sigset_t& blo
   const int error = posix_spawnp(&child, argv[0], nullptr, &attributes, argv.data(), environ);
   posix_spawnattr_destroy(&attributes);
   if (error != 0) return std::nullopt;
-  const int status = end_of(child);
-  if (WIFSIGNALED(status)) return ScriptEnd{.exit_code = 0, .signal = WTERMSIG(status)};
-  return ScriptEnd{.exit_code = WEXITSTATUS(status), .signal = 0};
+  return end_of(child);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 /// Programs that do parts of the work: Python scripts that draw records and read shots, ffmpeg.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,7 +17,8 @@ struct ScriptFailure {
 /// How a script or program ended.
 struct ScriptEnd {
   int exit_code = 0;
-  int signal = 0;  ///< that ended it; 0: none did
+  int signal = 0;              ///< that ended it; 0: none did
+  std::size_t most_bytes = 0;  ///< of memory at a time
 };
 
 /// Runs the program `words[0]`, which is looked for in PATH, and waits; empty where it cannot be run. It

@@ -5,16 +5,25 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <string>
 #include <system_error>
 
+#include "harness/files/user_error.h"
+
 namespace stbvh::harness {
 
+std::string temporary_folder() {
+  const char* const folder = std::getenv("TMPDIR");
+  return folder != nullptr && *folder != '\0' ? folder : "/tmp";
+}
+
 UnnamedFile::UnnamedFile() {
-  std::string name = (std::filesystem::temp_directory_path() / "stbvh-XXXXXX").string();
+  std::string name = temporary_folder() + "/stbvh-XXXXXX";
   descriptor_ = mkstemp(name.data());
   if (descriptor_ < 0)
-    throw std::system_error(errno, std::generic_category(), fmt::format("\"{}\" cannot be written", name));
+    throw UserError(fmt::format("No file can be made in \"{}\" (TMPDIR): {}.", temporary_folder(),
+                                std::generic_category().message(errno)));
   unlink(name.c_str());
 }
 
@@ -24,9 +33,8 @@ void UnnamedFile::append(std::string_view bytes) {
     if (written > 0) {
       bytes.remove_prefix(static_cast<std::size_t>(written));
     } else if (errno != EINTR) {
-      throw std::system_error(
-          errno, std::generic_category(),
-          fmt::format("A file in {} cannot be written", std::filesystem::temp_directory_path().string()));
+      throw std::system_error(errno, std::generic_category(),
+                              fmt::format("A file in \"{}\" (TMPDIR) cannot be written", temporary_folder()));
     }
   }
 }

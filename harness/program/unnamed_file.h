@@ -2,14 +2,18 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 namespace stbvh::harness {
 
+/// Where they lie.
+std::string temporary_folder();
+
 /// Gone with the program, however that ends. Programs that it runs inherit it, with the same descriptor.
 class UnnamedFile {
  public:
-  /// Throws std::system_error.
+  /// Throws UserError.
   UnnamedFile();
   ~UnnamedFile();
   UnnamedFile(const UnnamedFile&) = delete;

@@ -195,31 +195,64 @@ void save_structure(const Structure& structure, std::span<const MeshView> meshes
 
 namespace {
 
+void require(bool condition, const char* problem) {
+  if (!condition) throw BadStructureFile(problem);
+}
+
+/// Of a file of `bytes` bytes.
+void check_header(const FileHeader& header, std::size_t bytes) {
+  require(header.magic == kFileMagic, "is not a structure of STBVH");
+  require(header.version == kFileVersion, "is of another version of STBVH");
+  require(header.hash_of_header == hash_of_header(header), "is damaged (its header)");
+  require(header.file_bytes <= bytes, "is truncated");
+  std::size_t end = kHeaderBytes;
+  for (const FileSection& section :
+       {header.block, header.tables, header.buffers, header.user, header.hashes}) {
+    const bool fits = section.offset == end && section.bytes <= bytes - std::min(bytes, end);
+    require(fits, "is damaged (its header)");
+    end += padded(section.bytes);
+    require(end <= bytes, "is truncated");
+  }
+  require(end == header.file_bytes && end == bytes, "has another length than it says");
+}
+
+class OpenFile {
+ public:
+  explicit OpenFile(const std::filesystem::path& file)
+      : descriptor(::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {}
+  ~OpenFile() {
+    if (descriptor >= 0) ::close(descriptor);
+  }
+  OpenFile(const OpenFile&) = delete;
+  OpenFile& operator=(const OpenFile&) = delete;
+
+  const int descriptor;
+};
+
 /// A file in memory, aligned to pages.
 class MappedFile {
  public:
   explicit MappedFile(const std::filesystem::path& file) {
-    const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (descriptor < 0) throw std::system_error(errno, std::generic_category(), file.string());
+    const auto fail = [&] { throw std::system_error(errno, std::generic_category(), file.string()); };
+    const OpenFile opened(file);
     struct stat status {};
-    const bool is_known = ::fstat(descriptor, &status) == 0;
-    if (is_known && !S_ISREG(status.st_mode)) {
-      ::close(descriptor);
-      throw BadStructureFile("is not a file");
-    }
-    bytes_ = is_known ? static_cast<std::size_t>(status.st_size) : 0;
-    if (bytes_ >= kHeaderBytes) {
-      // Updates change nodes where they are: in this process alone.
-      void* const data = ::mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE, descriptor, 0);
-      if (data != MAP_FAILED) data_ = static_cast<std::byte*>(data);
-    }
-    const int error = errno;
-    ::close(descriptor);
-    if (bytes_ < kHeaderBytes) throw BadStructureFile("is truncated");
-    if (data_ == nullptr) throw std::system_error(error, std::generic_category(), file.string());
+    if (opened.descriptor < 0 || ::fstat(opened.descriptor, &status) != 0) fail();
+    require(S_ISREG(status.st_mode), "is not a file");
+    bytes_ = static_cast<std::size_t>(status.st_size);
+    require(bytes_ >= kHeaderBytes, "is truncated");
+    // Before addresses are taken for all of it: a file may have any size.
+    FileHeader header;
+    const ssize_t read = ::pread(opened.descriptor, static_cast<void*>(&header), sizeof header, 0);
+    if (read < 0) fail();
+    require(read == sizeof header, "is truncated");
+    check_header(header, bytes_);
+    // Updates change nodes where they are: in this process alone.
+    void* const data = ::mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE, opened.descriptor, 0);
+    if (data == MAP_FAILED) fail();
+    data_ = static_cast<std::byte*>(data);
   }
   explicit MappedFile(std::span<const std::byte> bytes) : bytes_(bytes.size()) {
-    if (bytes_ < kHeaderBytes) throw BadStructureFile("is truncated");
+    require(bytes_ >= kHeaderBytes, "is truncated");
     void* const data = ::mmap(nullptr, bytes_, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (data == MAP_FAILED) throw std::bad_alloc();
     data_ = static_cast<std::byte*>(data);
@@ -238,26 +271,10 @@ class MappedFile {
   std::size_t bytes_ = 0;
 };
 
-void require(bool condition, const char* problem) {
-  if (!condition) throw BadStructureFile(problem);
-}
-
 FileHeader checked_header(std::span<const std::byte> file) {
   FileHeader header;
   std::memcpy(static_cast<void*>(&header), file.data(), sizeof header);
-  require(header.magic == kFileMagic, "is not a structure of STBVH");
-  require(header.version == kFileVersion, "is of another version of STBVH");
-  require(header.hash_of_header == hash_of_header(header), "is damaged (its header)");
-  require(header.file_bytes <= file.size(), "is truncated");
-  std::size_t end = kHeaderBytes;
-  for (const FileSection& section :
-       {header.block, header.tables, header.buffers, header.user, header.hashes}) {
-    const bool fits = section.offset == end && section.bytes <= file.size() - std::min(file.size(), end);
-    require(fits, "is damaged (its header)");
-    end += padded(section.bytes);
-    require(end <= file.size(), "is truncated");
-  }
-  require(end == header.file_bytes && end == file.size(), "has another length than it says");
+  check_header(header, file.size());
   return header;
 }
 

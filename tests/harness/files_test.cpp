@@ -143,6 +143,24 @@ TEST(Numbers, MayBeInfiniteOrNone) {
   }
 }
 
+TEST_F(InputFiles, TextThatBeginsWithZerosIsRefusedBeforeTheRestIsRead) {
+  constexpr std::size_t kAnything = std::size_t{1} << 50;
+  for (const char* const beginning : {"", "# made by a program\n"}) {
+    fs::resize_file(write("sparse", beginning), std::uintmax_t{1} << 42);  // more than any memory
+    try {
+      read_whole_text(folder / "sparse", kAnything);
+      ADD_FAILURE() << beginning;
+    } catch (const InputFileError& e) {
+      EXPECT_STREQ(e.what(), "is not text");
+    }
+    EXPECT_THROW(read_text_file(folder / "sparse", kAnything), InputFileError);
+  }
+  const std::string longer = "<scene>" + std::string(10'000, ' ') + "</scene>";
+  EXPECT_EQ(read_whole_text(write("a", longer), kAnything), longer);
+  const std::string wide("\xFF\xFE<\0s\0", 6);
+  EXPECT_EQ(read_whole_text(write("a", wide), kAnything), wide);
+}
+
 TEST_F(InputFiles, IsReadInParts) {
   const InputFile file(write("a", "abcd"), 4);
   EXPECT_EQ(file.size(), 4u);

@@ -104,6 +104,16 @@ TEST(SavedScene, OfFilesThatAreNoneIsRefused) {
   std::string damaged = good;
   damaged[5000] = static_cast<char>(damaged[5000] + 1);
   EXPECT_EQ(problem(damaged), "is damaged.");
+  EXPECT_EQ(problem(good + std::string(4096, 0)), "has another length than it says.");
+  write_file(file, "");
+  std::filesystem::resize_file(file, std::uintmax_t{100} << 30);  // more than can be mapped
+  try {
+    load_saved(file, no_warning);
+    ADD_FAILURE();
+  } catch (const SceneFileError& error) {
+    EXPECT_NE(std::string(error.what()).find("is not a structure of STBVH"), std::string::npos)
+        << error.what();
+  }
   std::filesystem::remove(file);
   EXPECT_THROW(load_saved(file, no_warning), SceneFileError);
 }

@@ -263,6 +263,10 @@ TEST_F(ShotFrames, ThatCannotBeAreRefused) {
     EXPECT_EQ(std::distance(fs::directory_iterator(folder / "b"), {}), 1) << name;
     fs::remove(in_the_way);
   }
+  expect_refusal(run_command("TMPDIR=" + at("none") + " " STBVH_AB " " + render("1-3") + " --png -o " +
+                             at("b") + " 2>&1"),
+                 "none\" (TMPDIR): No such file");
+  EXPECT_TRUE(fs::is_empty(folder / "b"));
 }
 
 }  // namespace

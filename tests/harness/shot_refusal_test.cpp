@@ -1,13 +1,17 @@
 // What is wrong with USD and Alembic files: one line each, and nothing lost that could be read.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "harness/files/input_file.h"
 #include "harness/scenes/shots/shot.h"
+#include "harness/scenes/shots/usd_depth.h"
 #include "tests/harness/run_stbvh_ab.h"
 #include "tests/harness/shot_files.h"
 #include "tests/harness/temporary_folder.h"
@@ -132,6 +136,71 @@ TEST_F(ShotRefusals, AReaderThatCrashesLosesNothingThatWasRead) {
   EXPECT_TRUE(is_warned_of("it crashes the library that reads it; what was read before is shown"));
   const fs::path nothing = write("nothing", "");
   EXPECT_THROW(load_shot(nothing, "shot.abc", "crashes the library that reads it", warn), SceneFileError);
+}
+
+TEST_F(ShotRefusals, NamesThatAreNotUtf8AreOneLine) {
+  fs::copy(data("turning_bar.usda"), folder / "\xFF.usda");
+  expect_one_line(stbvh_ab("convert " + at("\xFF.usda") + " -o " + at("out.xml")),
+                  "it has a name that is not UTF-8");
+}
+
+TEST_F(ShotRefusals, WithoutMemoryForTheLibrariesTheReaderSaysSo) {
+  const Outcome run =
+      run_command(fmt::format("exec 7>{}/handover && ulimit -v 600000 && '{}' -B {}/read_shot.py -- {} 7",
+                              folder.string(), python_, kScripts, in_quotes(data("velocities.usda"))));
+  EXPECT_EQ(run.exit_code, 0);
+  EXPECT_NE(read_file(folder / "handover").find("needs more memory than there is"), std::string::npos);
+}
+
+class ShotFiles : public TemporaryFolderTest {
+ protected:
+  void expect_refused(const std::string& name, const std::string& reason, const std::string& before = "") {
+    expect_one_line(run_command(fmt::format("{} timeout -s KILL 300 {} convert {} -o {} 2>&1", before,
+                                            STBVH_AB, at(name), at("out.xml"))),
+                    reason);
+  }
+};
+
+TEST_F(ShotFiles, ThatLibrariesWouldWaitForAreRefused) {
+  for (const std::string name : {"a.usda", "a.usdc", "a.usdz", "a.usd", "a.abc"}) {
+    ASSERT_EQ(mkfifo(at(name).c_str(), 0600), 0);
+    expect_refused(name, "it is not a regular file");
+    fs::remove(folder / name);
+    fs::resize_file(write(name, ""), std::uintmax_t{100} << 30);
+    expect_refused(name, "it has 107374182400 bytes, but at most 25769803776 are read");
+  }
+}
+
+TEST_F(ShotFiles, NeedAFolderForTemporaryFiles) {
+  write("a.usda", "#usda 1.0\n");
+  expect_refused("a.usda", "none\" (TMPDIR): No such file or directory", "TMPDIR=" + at("none"));
+}
+
+TEST_F(ShotFiles, NestedTooDeeplyAreRefused) {
+  const auto nested = [&](const std::string& open, const std::string& close, int depth) {
+    std::string text = "#usda 1.0\n";
+    for (int i = 0; i < depth; ++i) text += open;
+    for (int i = 0; i < depth; ++i) text += close;
+    return is_nested_too_deeply(InputFile(write("deep.usda", text), kMaxSceneFileBytes));
+  };
+  const std::string hiding = R"('it\'s (' """a "(" \"""" '' @a'(.usd@ @@@b@(.usd@@@ /* ( */ )"
+                             "'''\n'('''# (\n// (\n(";
+  for (const auto& [open, close] :
+       {std::pair<std::string, std::string>{"(", ")"}, {"[", "]"}, {"def \"a\" {\n", "}\n"}, {hiding, ")"}}) {
+    EXPECT_FALSE(nested(open, close, kMaxUsdDepth)) << open;
+    EXPECT_TRUE(nested(open, close, kMaxUsdDepth + 1)) << open;
+    EXPECT_TRUE(nested(open, close, 20'000)) << open;
+  }
+  // Over several blocks.
+  for (const std::string hidden :
+       {"\"(\"", "'('", "\"\"\"\n\"(\"\n\"\"\"", "@(@", "#(\n", "//(\n", "/*(*/", "()"})
+    EXPECT_FALSE(nested(hidden, "", 20'000)) << hidden;
+  for (const std::string open : {"\"\"\"", "'''", "@@@", "/*"})
+    EXPECT_FALSE(nested("", open + std::string(300, '('), 1)) << open;
+  write("deep.usda", "PXR-USDC" + std::string(1000, '('));
+  EXPECT_FALSE(is_nested_too_deeply(InputFile(folder / "deep.usda", kMaxSceneFileBytes)));
+  nested("(", ")", 20'000);
+  expect_refused("deep.usda", "deep.usda: it is nested more than 200 levels deep");
 }
 
 /// Each byte of a mesh's head, changed: refused or read, whatever it says.

@@ -56,7 +56,7 @@ std::vector<float> float_attribute(pugi::xml_node node, const char* name, std::s
   return values;
 }
 
-Document::Document(const fs::path& file) : file_(file), text_(read_whole_file(file, kMaxSceneTextBytes)) {
+Document::Document(const fs::path& file) : file_(file), text_(read_whole_text(file, kMaxSceneTextBytes)) {
   const pugi::xml_parse_result result = xml_.load_buffer(text_.data(), text_.size());
   is_utf8_ = result.encoding == pugi::encoding_utf8;
   if (result.status == pugi::status_out_of_memory) throw std::bad_alloc();

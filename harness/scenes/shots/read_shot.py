@@ -7,6 +7,7 @@ deviation is a share of the scene's diagonal.
 Whatever is wrong is handed over too, so the exit code is 0 but where the process is ended.
 """
 import argparse
+import mmap
 import os
 import resource
 import signal
@@ -15,7 +16,9 @@ import sys
 import shot_environment
 
 MOST_SECONDS = 3600  # of the processor: some malformed files keep a library busy for ever
-MOST_MEMORY = 64 << 30
+MOST_MEMORY = min(64 << 30, os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+ROOM = (1 << 30) + (os.cpu_count() or 1) * (128 << 20)  # address space of the libraries and their threads: with less they crash
+NO_MEMORY = "needs more memory than there is"
 
 
 def options():
@@ -37,7 +40,7 @@ def enter_environment():
 
 def limit_process():
     """Libraries crash and print: the one line about it is the program's."""
-    for kind, most in ((resource.RLIMIT_CORE, 0), (resource.RLIMIT_CPU, MOST_SECONDS), (resource.RLIMIT_AS, MOST_MEMORY)):
+    for kind, most in ((resource.RLIMIT_CORE, 0), (resource.RLIMIT_CPU, MOST_SECONDS), (resource.RLIMIT_DATA, MOST_MEMORY)):
         own = resource.getrlimit(kind)[1]  # which cannot be raised
         limit = most if own == resource.RLIM_INFINITY else min(most, own)
         resource.setrlimit(kind, (limit, limit))
@@ -52,7 +55,29 @@ def say_problem(descriptor, text):
     os.write(descriptor, b"STBVSHT1" + (6).to_bytes(4, "little") + bytes(4) + len(sentence).to_bytes(8, "little") + sentence)
 
 
+def described(problem):
+    """In words of our own where a library says that it got no memory."""
+    return NO_MEMORY if "bad_alloc" in str(problem) else str(problem)
+
+
+def has_room():
+    try:
+        mmap.mmap(-1, ROOM, mmap.MAP_PRIVATE, mmap.PROT_READ).close()
+        return True
+    except OSError:
+        return False
+
+
 def read(asked):
+    if not has_room():
+        say_problem(asked.descriptor, NO_MEMORY)
+        return
+    try:
+        asked.file.encode()
+    except UnicodeEncodeError:
+        say_problem(asked.descriptor, "has a name that is not UTF-8, which the libraries do not take")
+        return
+    os.environ["OPENBLAS_NUM_THREADS"] = "1"
     import handover  # they need the environment
     import shot_steps
     out = handover.Handover(asked.descriptor)
@@ -65,11 +90,11 @@ def read(asked):
         reader.read(asked.file, out, shutter, asked.deviation)
         out.end()
     except handover.ShotProblem as problem:
-        out.text(handover.PROBLEM, str(problem))
+        out.text(handover.PROBLEM, described(problem))
     except MemoryError:
-        out.text(handover.PROBLEM, "needs more memory than there is")
+        out.text(handover.PROBLEM, NO_MEMORY)
     except Exception as error:  # whatever a library throws is one line for the user
-        out.text(handover.PROBLEM, f"cannot be read: {type(error).__name__}: {str(error).strip()[:400]}")
+        out.text(handover.PROBLEM, described(f"cannot be read: {type(error).__name__}: {str(error).strip()[:400]}"))
 
 
 def main():
