@@ -1,5 +1,6 @@
 #include "harness/scenes/gltf/gltf_file.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -13,7 +14,9 @@
 
 #include "harness/files/input_file.h"
 #include "harness/scenes/cancellation.h"
+#include "harness/scenes/gltf/extensions.h"
 #include "harness/scenes/gltf/json_object.h"
+#include "harness/scenes/gltf/json_text.h"
 #include "harness/scenes/gltf/model_reader.h"
 #include "harness/scenes/gltf/problem.h"
 #include "harness/scenes/gltf/uri.h"
@@ -25,7 +28,6 @@ namespace {
 using nlohmann::json;
 using Bytes = std::vector<unsigned char>;
 
-constexpr int kMaxJsonDepth = 100;
 constexpr std::size_t kGlbHeaderSize = 12;
 constexpr std::size_t kChunkHeaderSize = 8;
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
@@ -100,27 +102,8 @@ Container split(std::span<const unsigned char> bytes) {
   return {text, std::nullopt};
 }
 
-/// Before anything is built. (A callback of the parser could count too, but with one it takes a time that
-/// grows with the square of an array's length.)
-void check_depth(std::string_view text) {
-  int depth = 0;
-  bool in_string = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (in_string && c == '\\') {
-      ++i;
-    } else if (c == '"') {
-      in_string = !in_string;
-    } else if (!in_string && (c == '[' || c == '{')) {
-      if (++depth > kMaxJsonDepth) fail("its JSON is nested more than {} levels deep", kMaxJsonDepth);
-    } else if (!in_string && (c == ']' || c == '}')) {
-      --depth;
-    }
-  }
-}
-
-json parse_json(std::string_view text) {
-  check_depth(text);
+json parse_json(std::string_view source) {
+  const std::string text = without_what_nothing_reads(source);
   try {
     json document = json::parse(text.begin(), text.end());
     if (!document.is_object()) fail("its JSON is not an object");
@@ -138,9 +121,20 @@ Bytes bytes_behind_uri(const std::string& uri, std::size_t buffer, const std::fi
     if (!bytes) fail("the data URI of buffer {} cannot be decoded", buffer);
     return std::move(*bytes);
   }
+  if (has_scheme(uri))
+    fail("buffer {} refers to '{}', but only files beside it and data URIs are read", buffer, uri);
   const std::string name = percent_decoded(uri);
+  if (name.find('\0') != std::string::npos) fail("the URI of buffer {} has a zero byte", buffer);
   return read_bytes(folder / std::filesystem::path(std::u8string(name.begin(), name.end())),
                     fmt::format("'{}', to which buffer {} refers,", name, buffer));
+}
+
+/// Whether meshopt compression says that it has no bytes of its own.
+bool is_compressed_alone(const JsonObject& buffer) {
+  return std::ranges::any_of(kMeshopt, [&](std::string_view name) {
+    const auto compression = buffer.extension(name.data());
+    return compression && compression->flag("fallback").value_or(false);
+  });
 }
 
 /// The first byteLength bytes of what holds the buffer: a file, a data URI, or the binary chunk.
@@ -150,6 +144,8 @@ Bytes read_buffer(const JsonObject& buffer, std::size_t number, const Container&
   Bytes bytes;
   if (buffer.has("uri")) {
     bytes = bytes_behind_uri(buffer.text("uri"), number, folder);
+  } else if (is_compressed_alone(buffer)) {
+    fail("buffer {} is there only with meshopt compression, which is not supported", number);
   } else if (number == 0 && container.binary_chunk) {
     bytes.assign(container.binary_chunk->begin(), container.binary_chunk->end());
   } else {
