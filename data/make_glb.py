@@ -78,7 +78,7 @@ class Glb:
         return self.add("accessors", accessor)
 
     def material(self, r, g, b):
-        return self.add("materials", {"pbrMetallicRoughness": {"baseColorFactor": [r, g, b, 1]}})
+        return self.add("materials", {"pbrMetallicRoughness": {"baseColorFactor": [r, g, b, 1], "metallicFactor": 0}})
 
     def animate(self, node, path, times, values, interpolation, component=FLOAT, normalized=False):
         animation = self.doc["animations"][0]

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <string_view>
 
 #include "harness/path_tracer/color.h"
 #include "harness/path_tracer/directions.h"
@@ -39,12 +40,8 @@ LensCamera::LensCamera(const Camera& camera, const Lens& lens, std::size_t width
   const Vec3 axis = to_double(camera.target) - origin_;
   const Vec3 side = cross(axis, to_double(camera.up));
   const double fov = camera.vertical_fov_degrees;
-  if (!is_within_reach(origin_))
-    throw std::invalid_argument(
-        fmt::format("The camera is too far away: its coordinates must be below {}.", kMaxCoordinate));
-  if (!looks_somewhere(camera)) {
-    throw std::invalid_argument("The scene's camera does not look anywhere.");
-  }
+  if (const std::string_view problem = problem_of(camera); !problem.empty())
+    throw std::invalid_argument(fmt::format("The camera {}.", problem));
   focus_distance_ = lens.focus_distance.value_or(length(axis));
   if (!(lens_radius_ >= 0) || !is_within_reach(lens_radius_) || !(focus_distance_ > 0) ||
       !std::isfinite(focus_distance_)) {

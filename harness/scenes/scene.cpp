@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "harness/scenes/reach.h"
 #include "harness/scenes/vec3.h"
 
 namespace stbvh::harness {
@@ -28,12 +29,16 @@ double diagonal(const Box3f& box) {
   return length(to_double(box.upper) - to_double(box.lower));
 }
 
-bool looks_somewhere(const Camera& camera) {
+std::string_view problem_of(const Camera& camera) {
   const Vec3 position = to_double(camera.position), axis = to_double(camera.target) - position;
   const double side = length(cross(axis, to_double(camera.up)));
-  const double fov = camera.vertical_fov_degrees;
-  return std::isfinite(length(position)) && length(axis) > 0 && std::isfinite(length(axis)) && side > 0 &&
-         std::isfinite(side) && fov > 0 && fov < 180;
+  if (!is_within_reach(position)) return "is too far away";
+  if (!(camera.vertical_fov_degrees > 0 && camera.vertical_fov_degrees < 180))
+    return "has a field of view that is not between 0 and 180 degrees";
+  if (!(length(axis) > 0)) return "does not look anywhere";
+  if (!std::isfinite(length(axis))) return "looks at what is infinitely far away";
+  if (!(side > 0 && std::isfinite(side))) return "has no up, or one along its view";
+  return {};
 }
 
 std::size_t Scene::triangle_count() const {
@@ -85,7 +90,7 @@ Camera Scene::camera_at(double time) const {
                      .target = between(from.target, to.target),
                      .up = between(from.up, to.up),
                      .vertical_fov_degrees = from.vertical_fov_degrees};
-  return looks_somewhere(moved) ? moved : f < 0.5 ? from : to;  // half a turn in one step has no middle
+  return problem_of(moved).empty() ? moved : f < 0.5 ? from : to;  // half a turn in one step has no middle
 }
 
 }  // namespace stbvh::harness

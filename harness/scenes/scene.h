@@ -7,6 +7,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "stbvh/mesh_view.h"
@@ -99,8 +100,8 @@ struct Camera {
   float vertical_fov_degrees = 40.0f;
 };
 
-/// Whether rays can be sent through it.
-bool looks_somewhere(const Camera& camera);
+/// Why no rays can be sent through a camera, as in "is too far away"; empty where they can.
+std::string_view problem_of(const Camera& camera);
 
 /// Light from far away, out of a disc.
 struct DirectionalLight {

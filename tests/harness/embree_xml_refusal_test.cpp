@@ -225,6 +225,12 @@ TEST_F(EmbreeXmlRefusal, LightsAndCameras) {
   expect_refused(R"(<PerspectiveCamera from="0 0 0" to="0 0 0" fov="18"/>)" + triangle(), "up");
   expect_refused(R"(<PerspectiveCamera from="0 0 2e18" to="0 0 0" up="0 1 0" fov="18"/>)" + triangle(),
                  "the from of a <PerspectiveCamera> is too far away");
+  expect_refused(R"(<PerspectiveCamera from="0 0 5" to="0 0 0" up="0 0 1" fov="18"/>)" + triangle(),
+                 "its camera has no up, or one along its view");
+  expect_refused(R"(<PerspectiveCamera from="0 0 5" to="0 0 0" up="0 0 0" fov="18"/>)" + triangle(),
+                 "its camera has no up, or one along its view");
+  expect_refused(R"(<PerspectiveCamera from="0 0 5" to="0 0 5" up="0 1 0" fov="18"/>)" + triangle(),
+                 "its camera does not look anywhere");
   expect_refused(R"(<Transform><AffineSpace translate="1e30 0 0"/>
       <PerspectiveCamera from="0 0 1" to="0 0 0" up="0 1 0" fov="18"/></Transform>)" +
                      triangle(),

@@ -22,12 +22,29 @@ TEST_F(GltfTest, RequiredExtensions) {
   EXPECT_NE(said("EXT_meshopt_compression").find("requires meshopt"), std::string::npos);
   EXPECT_NE(said("MPEG_accessor_timed").find("MPEG_accessor_timed, which is not supported"),
             std::string::npos);
-  for (const char* name :
-       {"KHR_mesh_quantization", "EXT_mesh_gpu_instancing", "KHR_node_visibility", "KHR_animation_pointer",
-        "KHR_lights_punctual", "KHR_materials_unlit", "KHR_materials_pbrSpecularGlossiness",
-        "ADOBE_materials_thin_transparency", "KHR_texture_basisu", "KHR_texture_transform",
-        "EXT_texture_webp", "MSFT_texture_dds", "MSFT_packing_normalRoughnessMetallic",
-        "EXT_lights_image_based"}) {
+  for (const char* name : {"KHR_mesh_quantization",
+                           "EXT_mesh_gpu_instancing",
+                           "KHR_node_visibility",
+                           "KHR_animation_pointer",
+                           "KHR_lights_punctual",
+                           "KHR_materials_unlit",
+                           "KHR_materials_pbrSpecularGlossiness",
+                           "ADOBE_materials_thin_transparency",
+                           "KHR_texture_basisu",
+                           "KHR_texture_transform",
+                           "EXT_texture_webp",
+                           "MSFT_texture_dds",
+                           "MSFT_packing_normalRoughnessMetallic",
+                           "EXT_lights_image_based",
+                           "KHR_techniques_webgl",
+                           "MOZ_lightmap",
+                           "KHR_node_hoverability",
+                           "KHR_node_selectability",
+                           "EXT_structural_metadata",
+                           "EXT_mesh_features",
+                           "EXT_instance_features",
+                           "FB_ngon_encoding",
+                           "CESIUM_primitive_outline"}) {
     EXPECT_EQ(said(name), "") << name;
   }
 }
@@ -72,7 +89,15 @@ TEST_F(GltfTest, BadFiles) {
   refused("scene 3 is missing", [](json& d) { d["scene"] = 3; });
   refused("meshes[0].primitives[0].attributes is 1, which is not an object",
           [](json& d) { d["meshes"][0]["primitives"][0]["attributes"] = 1; });
+  refused("mesh 0 refers to the missing material 5",
+          [](json& d) { d["meshes"][0]["primitives"][0]["material"] = 5; });
   refused("glTF version 1.0", [](json& d) { d["asset"]["version"] = "1.0"; });
+  for (const char* version : {"2", "2.", ".0", "2.x", "2.0.1", "two\n"}) {
+    for (const char* name : {"version", "minVersion"})
+      refused("is not two numbers with a point", [&](json& d) { d["asset"][name] = version; });
+  }
+  refused("it needs glTF version 2.5", [](json& d) { d["asset"]["minVersion"] = "2.5"; });
+  refused("it needs glTF version 3.0", [](json& d) { d["asset"]["minVersion"] = "3.0"; });
   refused("missing sampler 4", [](json& d) {
     d["animations"] = {{{"channels", {{{"sampler", 4}, {"target", {{"node", 0}, {"path", "scale"}}}}}}}};
   });
@@ -86,8 +111,10 @@ TEST_F(GltfTest, BadFiles) {
   expect_refused(write("empty.glb", ""), "it is not a glTF file");
   expect_refused(write("text.gltf", "hello"), "it is not a glTF file");
   expect_refused(write("json.gltf", "{\"asset\": {\"version\": }}"), "its JSON is broken at byte");
-  expect_refused(write("deep.gltf", "{\"extras\":" + std::string(1000000, '[')),
+  expect_refused(write("deep.gltf", "{\"asset\":" + std::string(1000000, '[')),
                  "nested more than 100 levels");
+  expect_refused(write("deep.gltf", "{\"extras\":" + std::string(1000000, '[')),
+                 "its JSON is broken at byte");
   expect_refused(write("other.gltf", "{}"), "it is not a glTF file: its JSON has no asset.version");
 }
 
@@ -144,11 +171,18 @@ TEST_F(GltfTest, LightsAndCamerasThatCannotBe) {
     expect_refused(write("bad.glb", d.bytes()), because);
   };
   refused("cameras[0].perspective.yfov is 4,", [](json& d) {
+    d["nodes"][0]["camera"] = 0;
     d["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 4.0}}}}};
   });
-  refused("cameras[0] is neither perspective nor", [](json& d) { d["cameras"] = {{{"type", "fisheye"}}}; });
+  refused("cameras[0] is neither perspective nor", [](json& d) {
+    d["nodes"][0]["camera"] = 0;
+    d["cameras"] = {{{"type", "fisheye"}}};
+  });
   const auto light = [](const json& source) {
-    return [source](json& d) { d["extensions"]["KHR_lights_punctual"]["lights"] = {source}; };
+    return [source](json& d) {
+      d["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 0;
+      d["extensions"]["KHR_lights_punctual"]["lights"] = {source};
+    };
   };
   refused("lights[0].type is the unknown \"area\"", light({{"type", "area"}}));
   refused("is not light", light({{"type", "point"}, {"intensity", -1}}));
@@ -157,7 +191,10 @@ TEST_F(GltfTest, LightsAndCamerasThatCannotBe) {
   refused("has a cone from 1", light({{"type", "spot"}, {"spot", {{"innerConeAngle", 1}}}}));
   refused("missing light 3",
           [](json& d) { d["nodes"][0]["extensions"]["KHR_lights_punctual"]["light"] = 3; });
-  refused("is not light", [](json& d) { d["materials"] = {{{"emissiveFactor", {0, -1, 0}}}}; });
+  refused("is not light", [](json& d) {
+    d["meshes"][0]["primitives"][0]["material"] = 0;
+    d["materials"] = {{{"emissiveFactor", {0, -1, 0}}}};
+  });
 }
 
 /// Small files that ask for gigabytes, in each of the ways there are, together and alone.
@@ -224,7 +261,7 @@ TEST_F(GltfTest, WhatIsNotInTheFileIsNotAllocated) {
 
 TEST_F(GltfTest, NestingIsRefusedOrRead) {
   const std::size_t levels = 200'000;
-  for (const char* where : {"extras", "nodes", "meshes", "extensions"}) {
+  for (const char* where : {"asset", "nodes", "meshes", "KHR_lights_punctual"}) {
     const std::string text = std::string("{\"asset\": {\"version\": \"2.0\"}, \"") + where + "\": ";
     expect_refused(write("arrays.gltf", text + std::string(levels, '[') + std::string(levels, ']') + "}"),
                    "nested more than 100 levels");

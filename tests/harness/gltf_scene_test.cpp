@@ -176,6 +176,139 @@ TEST_F(GltfSceneTest, WhatIsShownAndHiddenHasTimeRanges) {
   expect_refused(write("linear.glb", d.bytes()), "the visibility of node 2 is animated, but not in steps");
 }
 
+TEST_F(GltfSceneTest, AnimationsBesidesTheFirstAreCounted) {
+  Document d;
+  animate(d, {{"node", 0}, {"path", "translation"}}, {0, 1}, places(d, {0, 0, 0, 1, 0, 0}));
+  load(d);
+  EXPECT_TRUE(warnings.empty());
+  d.root["animations"].push_back(d.root["animations"][0]);
+  load(d);
+  EXPECT_EQ(expect_one_warning(), "left out, as the first is taken: 1 more animation (--clip)");
+  GltfOptions options;
+  options.clip = "0";
+  load(d, options);
+  EXPECT_TRUE(warnings.empty());
+}
+
+TEST_F(GltfSceneTest, WhatIsSkinnedIsShownOnce) {
+  Document d;
+  d.primitive()["attributes"]["JOINTS_0"] =
+      d.add<std::uint8_t>("VEC4", 5121, std::vector<std::uint8_t>(16, 0));
+  d.primitive()["attributes"]["WEIGHTS_0"] =
+      d.add<float>("VEC4", 5126, {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+  d.root["nodes"].push_back({{"translation", {0, 0, 7}}});
+  d.root["scenes"][0]["nodes"] = {0, 1};
+  d.root["skins"] = {{{"joints", {1}}}};
+  json& node = d.root["nodes"][0];
+  node["skin"] = 0;
+  node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] =
+      places(d, {1, 0, 0, 2, 0, 0, 3, 0, 0});
+  const Scene scene = load(d);
+  EXPECT_EQ(expect_one_warning(), "left out, as what is skinned is shown once: the instances of 1 node");
+  ASSERT_EQ(scene.meshes.size(), 1u);
+  expect_near(scene.meshes[0].steps[0][0], {0, 0, 7});
+  d.primitive()["attributes"].erase("WEIGHTS_0");
+  EXPECT_EQ(load(d).meshes.size(), 3u);
+  EXPECT_EQ(expect_one_warning(),
+            "left out: joints without weights, or weights without joints, of 1 primitive");
+  d.primitive()["attributes"].erase("JOINTS_0");
+  EXPECT_EQ(load(d).meshes.size(), 3u);
+  EXPECT_TRUE(warnings.empty());
+}
+
+TEST_F(GltfSceneTest, VerticesThatMakeNoTriangleAreTold) {
+  Document d;
+  d.primitive()["indices"] = d.add<std::uint16_t>("SCALAR", 5123, {0, 1, 2, 0, 2});
+  EXPECT_EQ(load(d).triangle_count(), 1u);
+  EXPECT_EQ(expect_one_warning(),
+            "left out: the last vertices, which make no whole triangle, of 1 primitive");
+  d.primitive()["mode"] = 5;
+  EXPECT_GE(load(d).triangle_count(), 1u);
+  EXPECT_TRUE(warnings.empty());
+  d.primitive()["mode"] = 4;
+  d.primitive().erase("indices");
+  EXPECT_EQ(load(d).triangle_count(), 1u);
+  expect_one_warning();
+}
+
+TEST_F(GltfSceneTest, MetalIsTheDefault) {
+  Document d;
+  d.primitive()["material"] = 0;
+  for (const char* material :
+       {R"({"pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]}})", R"({"name": "steel"})",
+        R"({"pbrMetallicRoughness": {"metallicFactor": 1}})",
+        R"({"pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0.5}})"}) {
+    d.root["materials"] = {json::parse(material)};
+    load(d);
+    EXPECT_EQ(expect_one_warning(), "left out: metal and roughness of 1 material") << material;
+  }
+  d.root["materials"] = {{{"pbrMetallicRoughness", {{"metallicFactor", 0}}}}};
+  load(d);
+  EXPECT_TRUE(warnings.empty());
+}
+
+/// With data of their own they are read; otherwise they would be at zero.
+TEST_F(GltfSceneTest, WhatIsThereOnlyCompressedIsLeftOut) {
+  Document d;
+  json draco = d.primitive();
+  draco["extensions"]["KHR_draco_mesh_compression"] = {{"bufferView", 0}, {"attributes", {{"POSITION", 0}}}};
+  d.root["meshes"][0]["primitives"].push_back(draco);
+  EXPECT_EQ(load(d).meshes.size(), 2u);
+  d.root["accessors"].push_back({{"componentType", 5126}, {"count", 4}, {"type", "VEC3"}});
+  d.root["meshes"][0]["primitives"][1]["attributes"]["POSITION"] = d.root["accessors"].size() - 1;
+  EXPECT_EQ(load(d).meshes.size(), 1u);
+  EXPECT_EQ(expect_one_warning(),
+            "left out: 1 primitive with Draco mesh compression (KHR_draco_mesh_compression) alone");
+  for (const char* name : {"EXT_meshopt_compression", "KHR_meshopt_compression"}) {
+    Document meshopt;
+    meshopt.root["buffers"][0]["extensions"][name]["fallback"] = true;
+    expect_refused(write("meshopt.glb", meshopt.bytes()), "buffer 0 is there only with meshopt compression");
+    meshopt.root["buffers"][0]["extensions"][name]["fallback"] = false;
+    EXPECT_EQ(load(meshopt).triangle_count(), 2u);
+  }
+}
+
+TEST_F(GltfSceneTest, WhatNothingUsesMayBeWrong) {
+  Document d;
+  d.root["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 3.2}}}}};
+  d.root["materials"] = {{{"emissiveFactor", {0, -1, 0}}}};
+  d.root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "area"}}};
+  EXPECT_EQ(load(d).triangle_count(), 2u);
+  EXPECT_TRUE(warnings.empty());
+}
+
+TEST_F(GltfSceneTest, ExtrasMayHoldAnything) {
+  const auto with = [](const std::string& name, const std::string& value) {
+    Document d;
+    d.root["nodes"][0]["extras"] = "VALUE";
+    d.root["extensions"]["EXT_other"] = "VALUE";
+    d.root["buffers"][0]["uri"] = "square.bin";
+    std::string text = d.root.dump();
+    const std::string mark = "\"" + name + "\":\"VALUE\"";
+    return text.replace(text.find(mark), mark.size(), "\"" + name + "\" : " + value);
+  };
+  write("square.bin", Document().binary);
+  const std::string deep = std::string(150'000, '[') + std::string(150'000, ']');
+  std::string objects = "0";
+  for (int i = 0; i < 150; ++i) objects = "{\"a\": [" + objects + ", \"]}\\\"\"]}";
+  for (const std::string& value : {deep, objects, std::string("1e400"), std::string(400, '9'),
+                                   std::string("{}"), std::string("[-1e999, {\"extras\": 1e999}]"),
+                                   std::string("\"[\""), std::string("null"), std::string("true")}) {
+    for (const char* name : {"extras", "EXT_other"}) {
+      const Scene scene = load_file(write("extras.gltf", with(name, value)));
+      EXPECT_EQ(scene.triangle_count(), 2u);
+      EXPECT_TRUE(warnings.empty());
+    }
+  }
+  // What is read keeps its rules, and what is broken is refused.
+  expect_refused(write("broken.gltf", with("extras", "[}")), "its JSON is broken at byte");
+  expect_refused(write("broken.gltf", with("extras", "[[")), "its JSON is broken at byte");
+  expect_refused(write("broken.gltf", with("extras", "")), "its JSON is broken at byte");
+  std::string large = Document().root.dump();
+  large.replace(large.find("\"mesh\":0"), 8, "\"mesh\":1e400");
+  expect_refused(write("large.gltf", large), "a number out of range");
+}
+
 TEST_F(GltfSceneTest, ChannelsThatAreNotReadAreCounted) {
   Document d;
   d.root["materials"] = {json::object(), json::object()};
@@ -226,14 +359,81 @@ TEST_F(GltfSceneTest, CamerasMoveWithTheirNodes) {
   expect_near(scene.camera_at(0.25).position, {1, 0, 5});
   expect_near(scene.camera_at(0.25).target, {1, 0, scene.camera.target.z});
   expect_near(scene.camera_at(1).position, {4, 0, 5});
-  d.root["nodes"][3]["scale"] = {0, 0, 0};
+  animate(d, {{"node", 4}, {"path", "translation"}}, {0, 1}, places(d, {0, 0, 5, 1e30f, 0, 5}));
   EXPECT_TRUE(load(d).camera_steps.empty());
-  EXPECT_EQ(expect_one_warning(), "left out: a camera that does not look anywhere");
+  EXPECT_EQ(expect_one_warning(), "left out: a camera that is too far away");
+}
+
+/// A node above that is turned and scaled; what it carries follows only its turn.
+TEST_F(GltfSceneTest, CamerasAndLightsAreTurnedWhateverScalesThem) {
+  Document d;
+  d.root["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 1}}}}};
+  d.root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "directional"}}, {{"type", "spot"}}};
+  const double half = std::sqrt(0.5);
+  d.root["nodes"].push_back({{"children", {2, 3}}, {"rotation", {0, half, 0, half}}});  // -z becomes -x
+  d.root["nodes"].push_back({{"camera", 0}, {"translation", {0, 0, 5}}});
+  d.root["nodes"].push_back({{"children", {4}}});
+  d.root["nodes"].push_back({{"rotation", {0, 0, 1, 0}}});
+  for (std::size_t i = 0; i < 2; ++i)
+    d.root["nodes"][3 + i]["extensions"]["KHR_lights_punctual"]["light"] = i;
+  d.root["scenes"][0]["nodes"] = {0, 1};
+  for (const json& scale :
+       {json{1, 1, 0}, json{0, 0, 0}, json{-1, 1, 0}, json{1, 0, 1}, json{1e-200, 1e-200, 1e-200},
+        json{1e-320, 1e-320, 1e-320}, json{1e200, 1e200, 1e200}, json{1, 1, 1e-30}}) {
+    SCOPED_TRACE(scale.dump());
+    for (const std::size_t node : {1u, 2u, 3u}) {
+      d.root["nodes"][1].erase("scale");
+      d.root["nodes"][2].erase("scale");
+      d.root["nodes"][3].erase("scale");
+      d.root["nodes"][node]["scale"] = scale;
+      if (node == 1 && scale[2].get<double>() > 1) continue;  // far away then
+      const Scene scene = load(d);
+      EXPECT_TRUE(warnings.empty()) << warnings[0];
+      const Vec3 axis = to_double(scene.camera.target) - to_double(scene.camera.position);
+      expect_near(to_float(normalize(axis)), {-1, 0, 0});
+      expect_near(scene.camera.up, {0, 1, 0});
+      expect_near(scene.directional_lights.at(0).direction, {-1, 0, 0});
+      expect_near(scene.point_lights.at(0).axis, {-1, 0, 0});
+    }
+  }
+  for (const std::size_t node : {2u, 3u})
+    d.root["nodes"][node] = {{"matrix", {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}}};
+  d.root["nodes"][2]["camera"] = 0;
+  d.root["nodes"][3]["extensions"]["KHR_lights_punctual"]["light"] = 0;
+  EXPECT_TRUE(load(d).directional_lights.empty());
+  EXPECT_EQ(warnings, (Strings{"left out: a camera that does not look anywhere",
+                               "left out, as their nodes' matrices give them no direction: 1 light"}));
+}
+
+TEST_F(GltfSceneTest, CamerasAndLightsThatAreFarAway) {
+  Document d;
+  d.root["cameras"] = {{{"type", "perspective"}, {"perspective", {{"yfov", 1}}}}};
+  d.root["extensions"]["KHR_lights_punctual"]["lights"] = {{{"type", "directional"}}, {{"type", "point"}}};
+  for (int i = 0; i < 2; ++i)
+    d.root["nodes"].push_back({{"extensions", {{"KHR_lights_punctual", {{"light", i}}}}}});
+  d.root["nodes"].push_back({{"camera", 0}});
+  d.root["scenes"][0]["nodes"] = {0, 1, 2, 3};
+  for (const double far : {1e19, -1e30, 1e308}) {
+    for (const std::size_t node : {1u, 2u, 3u}) d.root["nodes"][node]["translation"] = {0, far, 0};
+    const Scene scene = load(d);
+    EXPECT_TRUE(scene.is_framed);
+    EXPECT_EQ(warnings, (Strings{"left out: a camera that is too far away",
+                                 "left out, as they are too far away: 1 light"}));
+    // Where a directional light stands does not matter.
+    expect_near(scene.directional_lights.at(0).direction, {0, 0, -1});
+    EXPECT_TRUE(scene.point_lights.empty());
+  }
+  // One that looks away from the scene looks there too, however far away it is.
+  for (const std::size_t node : {1u, 2u, 3u}) d.root["nodes"][node]["translation"] = {0, 0, -1e12};
+  const Camera camera = load(d).camera;
+  EXPECT_TRUE(warnings.empty());
+  EXPECT_LT(camera.target.z, camera.position.z);
 }
 
 TEST_F(GltfSceneTest, MaterialsEmit) {
   Document d;
-  d.root["materials"] = {{{"emissiveFactor", {1, 0.5, 0}},
+  d.root["materials"] = {{{"pbrMetallicRoughness", {{"metallicFactor", 0}}},
+                          {"emissiveFactor", {1, 0.5, 0}},
                           {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", 5}}}}}}};
   d.primitive()["material"] = 0;
   expect_near(load(d).meshes.at(0).material.emission, {5, 2.5, 0});
@@ -414,7 +614,9 @@ TEST_F(GltfSceneTest, DataUrisOfAnyMediaType) {
   for (const char* prefix :
        {"data:application/octet-stream;base64,", "data:;base64,", "data:application/gltf-buffer;base64,",
         "data:application/octet-stream;charset=utf-8;base64,", "DATA:text/plain;BASE64,",
-        "data:model/gltf+json;version=2;base64,"}) {
+        "data:model/gltf+json;version=2;base64,", "data:application/octet-stream; base64,",
+        "data:application/octet-stream ; base64 ,", "data:a/b;name=\"x,y;z\";Base64,", "data:;base64, \n",
+        "data:;base64,%20"}) {
     expect_near(last_vertex(prefix + base64), {0, 255, 62});
   }
   expect_near(last_vertex("data:;base64,AAAAAAAAAAAA_z4A"), {0, 255, 62});  // the other alphabet
@@ -423,6 +625,10 @@ TEST_F(GltfSceneTest, DataUrisOfAnyMediaType) {
     d.root["buffers"][0]["uri"] = uri;
     expect_refused(write("uri.gltf", d.root.dump()), because);
   };
+  expect_near(last_vertex("data:;base64,AAAA\nAAAA\tAAAA\r\n /z4A "), {0, 255, 62});
+  for (const char* header : {"data:a/b;base64;foo,", "data:a/b;base64;base64,", "data:a/b;base64=,",
+                             "data:a/b;name=\"x;base64,", "data:;base64 x,"})
+    refused(header + base64, "the data URI of buffer 0 cannot be decoded");
   refused("data:;base64", "the data URI of buffer 0 cannot be decoded");
   refused("data:;base64,AAAA*AAA", "the data URI of buffer 0 cannot be decoded");
   refused("data:;base64,AAAAA", "the data URI of buffer 0 cannot be decoded");
@@ -439,6 +645,16 @@ TEST_F(GltfSceneTest, BuffersThatNothingUsesMayBeMissing) {
   expect_refused(write("used.glb", d.bytes()), "buffer 1 has no data");
   d.root["bufferViews"][0]["buffer"] = 2;
   expect_refused(write("used.glb", d.bytes()), "'images.bin', to which buffer 2 refers, does not exist");
+  write("there.bin", std::string(100, '\0'));
+  for (const char* uri : {"http://a/b.bin", "https://a.b?c=d", "file:///etc/hosts", "file:there.bin"}) {
+    d.root["buffers"][2]["uri"] = uri;
+    expect_refused(write("used.glb", d.bytes()), "buffer 2 refers to '" + std::string(uri) +
+                                                     "', but only files beside it and data URIs are read");
+  }
+  for (const std::string& uri : {std::string("there.bin%00zz"), std::string("there.bin\0", 10)}) {
+    d.root["buffers"][2]["uri"] = uri;
+    expect_refused(write("used.glb", d.bytes()), "the URI of buffer 2 has a zero byte");
+  }
 }
 
 TEST_F(GltfSceneTest, TrianglesThatAreNotFiniteAreCounted) {

@@ -83,7 +83,11 @@ Scene make_scene(FlatScene flat, const CommandList& list, const std::filesystem:
   if (ambient) scene.environment.emplace().radiance = *ambient;
   check_lights(scene);
   const std::optional<Camera> camera = chosen_camera(flat, list.camera_name);
-  scene.camera = camera_of(list, camera ? *camera : gltf::framing_camera(scene));
+  const Camera base = camera ? *camera : gltf::framing_camera(scene);
+  scene.camera = camera_of(list, base);
+  const bool is_theirs = camera || problem_of(base).empty();  // not one that a scene is too large for
+  if (const std::string_view problem = problem_of(scene.camera); is_theirs && !problem.empty())
+    throw Problem(fmt::format("its camera {}", problem));
   return scene;
 }
 

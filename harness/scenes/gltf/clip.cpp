@@ -229,6 +229,7 @@ std::optional<ClipSource> find_clip(const Model& model, const std::string& name_
   const Model::Animation& animation =
       name_or_index.empty() ? model.animations.front() : find_named(model.animations, name_or_index, "clip");
   ClipSource clip;
+  if (name_or_index.empty()) clip.others = model.animations.size() - 1;
   for (const Model::Channel& channel : animation.channels) {
     const std::optional<Target> target = target_of(channel);
     // The specification lets readers skip what has no target, for an extension may give it one.

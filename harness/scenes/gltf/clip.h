@@ -70,6 +70,7 @@ struct ClipSource {
   };
   std::vector<Channel> channels;
   std::map<std::string, std::size_t> left_out;  ///< channels that are not read, by what they would move
+  std::size_t others = 0;                       ///< animations besides the first, where none is asked for
 };
 
 /// The animation whose name or, failing that, index is `name_or_index`; the first if that is empty.

@@ -36,10 +36,12 @@ bool same_bits(const VertexBuffer& a, const VertexBuffer& b) {
   return std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3f)) == 0;
 }
 
-Material material_of(const Model& model, Model::Index index) {
+Material material_of(const Model& model, std::size_t mesh, Model::Index index) {
   Material material;
-  if (!index || *index >= model.materials.size()) return material;
+  if (!index) return material;
+  if (*index >= model.materials.size()) fail("mesh {} refers to the missing material {}", mesh, *index);
   const Model::Material& source = model.materials[*index];
+  if (!source.problem.empty()) fail("{}", source.problem);
   material.color = source.base_color;
   // Where a texture says, mostly not everywhere, what emits, nothing does.
   if (!source.has_emissive_texture) material.emission = source.emission;
@@ -89,8 +91,8 @@ class PrimitiveReader {
       if (primitive.geometry->indices.empty()) continue;
       if (primitive.geometry->influences.per_vertex > 0) primitive.skin = model_.nodes[node].skin;
       if (primitive.skin) check_joints(*primitive.geometry, skins_[*primitive.skin]);
-      add_instances(primitive, instances, mesh_name(model_, node, i),
-                    material_of(model_, sources[i].material));
+      add_instances(primitive, primitive.skin ? std::vector<Affine>(1) : instances,
+                    mesh_name(model_, node, i), material_of(model_, *mesh, sources[i].material));
     }
   }
 

@@ -17,7 +17,9 @@
 
 #include "harness/files/input_file.h"
 #include "harness/scenes/cancellation.h"
+#include "harness/scenes/gltf/extensions.h"
 #include "harness/scenes/gltf/json_object.h"
+#include "harness/scenes/gltf/json_text.h"
 #include "harness/scenes/gltf/model_reader.h"
 #include "harness/scenes/gltf/problem.h"
 #include "harness/scenes/gltf/uri.h"
@@ -29,7 +31,6 @@ namespace {
 using nlohmann::json;
 using Bytes = std::vector<unsigned char>;
 
-constexpr int kMaxJsonDepth = 100;
 constexpr std::size_t kGlbHeaderSize = 12;
 constexpr std::size_t kChunkHeaderSize = 8;
 constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
@@ -106,27 +107,8 @@ Container split(std::span<const unsigned char> bytes) {
   return {text, std::nullopt};
 }
 
-/// Before anything is built. (A callback of the parser could count too, but with one it takes a time that
-/// grows with the square of an array's length.)
-void check_depth(std::string_view text) {
-  int depth = 0;
-  bool in_string = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (in_string && c == '\\') {
-      ++i;
-    } else if (c == '"') {
-      in_string = !in_string;
-    } else if (!in_string && (c == '[' || c == '{')) {
-      if (++depth > kMaxJsonDepth) fail("its JSON is nested more than {} levels deep", kMaxJsonDepth);
-    } else if (!in_string && (c == ']' || c == '}')) {
-      --depth;
-    }
-  }
-}
-
-json parse_json(std::string_view text) {
-  check_depth(text);
+json parse_json(std::string_view source) {
+  const std::string text = without_what_nothing_reads(source);
   try {
     json document = json::parse(text.begin(), text.end());
     if (!document.is_object()) fail("its JSON is not an object");
@@ -136,6 +118,14 @@ json parse_json(std::string_view text) {
   } catch (const json::exception&) {
     fail("its JSON has a number out of range");
   }
+}
+
+/// Whether meshopt compression says that it has no bytes of its own.
+bool is_compressed_alone(const JsonObject& buffer) {
+  return std::ranges::any_of(kMeshopt, [&](std::string_view name) {
+    const auto compression = buffer.extension(name.data());
+    return compression && compression->flag("fallback").value_or(false);
+  });
 }
 
 /// Which buffers accessors refer to. The others may be placeholders, or hold images.
@@ -203,11 +193,17 @@ class BufferReader {
   /// The same for all buffers that consist of the same.
   std::string name_of(const JsonObject& buffer, std::size_t number) const {
     if (!buffer.has("uri")) {
+      if (is_compressed_alone(buffer))
+        fail("buffer {} is there only with meshopt compression, which is not supported", number);
       if (number != 0 || !container_.binary_chunk) fail("buffer {} has no data", number);
       return {};
     }
     const std::string uri = buffer.text("uri");
     if (is_data_uri(uri)) return uri;
+    if (has_scheme(uri))
+      fail("buffer {} refers to '{}', but only files beside it and data URIs are read", number, uri);
+    if (percent_decoded(uri).find('\0') != std::string::npos)
+      fail("the URI of buffer {} has a zero byte", number);
     std::error_code is_nowhere;
     const std::filesystem::path file = file_of(uri), found = weakly_canonical(file, is_nowhere);
     return (is_nowhere ? file : found).string();

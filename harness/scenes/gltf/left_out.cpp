@@ -25,7 +25,11 @@ void warn_of_extensions(const Model& model, const SceneWarning& warn) {
 }
 
 void warn_of_animation(const ClipSource* clip, const SceneWarning& warn) {
-  if (clip == nullptr || clip->left_out.empty()) return;
+  if (clip == nullptr) return;
+  if (clip->others > 0)
+    warn(fmt::format("left out, as the first is taken: {} (--clip)",
+                     plural(clip->others, "more animation", "more animations")));
+  if (clip->left_out.empty()) return;
   NameList kinds(kMostNamed);
   for (const auto& [kind, count] : clip->left_out)
     kinds.add(fmt::format("{} of {}", count, kind.empty() ? "nothing" : kind.substr(0, 80)));
@@ -46,23 +50,63 @@ std::vector<const Model::Primitive*> shown_primitives(const Model& model,
   return primitives;
 }
 
-void warn_of_primitives(const std::vector<const Model::Primitive*>& primitives, const SceneWarning& warn) {
-  std::size_t points_or_lines = 0, without_positions = 0, colored = 0;
+/// Skins place vertices in the world, wherever their nodes are.
+void warn_of_skinned_instances(const Model& model, const std::vector<std::size_t>& nodes,
+                               const SceneWarning& warn) {
+  const auto count = std::count_if(nodes.begin(), nodes.end(), [&](std::size_t index) {
+    const Model::Node& node = model.nodes[index];
+    return node.mesh && node.skin && node.instances &&
+           std::ranges::any_of(model.meshes[*node.mesh].primitives, has_influences);
+  });
+  if (count > 0)
+    warn(fmt::format("left out, as what is skinned is shown once: the instances of {}",
+                     plural(static_cast<std::size_t>(count), "node", "nodes")));
+}
+
+/// Whether vertices are left that make no whole triangle.
+bool has_rest(const Model& model, const Model::Primitive& primitive) {
+  const std::size_t accessor = primitive.indices.value_or(primitive.attributes.at("POSITION"));
+  if (accessor >= model.accessors.size()) return false;
+  const std::size_t count = model.accessors[accessor].count;
+  return primitive.mode == kTriangles ? count % 3 != 0 : count < 3;
+}
+
+/// Whether each of the joints has its weights, and the other way round.
+bool has_half_of_influences(const Model::Primitive& primitive) {
+  return std::ranges::any_of(primitive.attributes, [&](const auto& attribute) {
+    const std::string& name = attribute.first;
+    const std::string set = name.substr(name.find('_') + 1);
+    return (name.starts_with("JOINTS_") && !primitive.attributes.contains("WEIGHTS_" + set)) ||
+           (name.starts_with("WEIGHTS_") && !primitive.attributes.contains("JOINTS_" + set));
+  });
+}
+
+void warn_of_primitives(const Model& model, const std::vector<const Model::Primitive*>& primitives,
+                        const SceneWarning& warn) {
+  std::size_t points_or_lines = 0, compressed = 0, without_positions = 0, colored = 0, with_rest = 0,
+              half_skinned = 0;
   for (const Model::Primitive* primitive : primitives) {
     if (primitive->mode < kTriangles) {
       ++points_or_lines;
+    } else if (primitive->is_compressed) {
+      ++compressed;
     } else if (!has_triangles(*primitive)) {
       ++without_positions;
-    } else if (primitive->attributes.contains("COLOR_0")) {
-      ++colored;
+    } else {
+      colored += primitive->attributes.contains("COLOR_0");
+      with_rest += has_rest(model, *primitive);
+      half_skinned += has_half_of_influences(*primitive);
     }
   }
-  if (points_or_lines > 0)
-    warn(fmt::format("left out: {} of points or lines", plural(points_or_lines, "primitive", "primitives")));
-  if (without_positions > 0)
-    warn(fmt::format("left out: {} without positions", plural(without_positions, "primitive", "primitives")));
-  if (colored > 0)
-    warn(fmt::format("left out: the vertex colors of {}", plural(colored, "primitive", "primitives")));
+  const auto tell = [&](std::size_t count, fmt::format_string<std::string> sentence) {
+    if (count > 0) warn(fmt::format(sentence, plural(count, "primitive", "primitives")));
+  };
+  tell(points_or_lines, "left out: {} of points or lines");
+  tell(compressed, "left out: {} with Draco mesh compression (KHR_draco_mesh_compression) alone");
+  tell(without_positions, "left out: {} without positions");
+  tell(colored, "left out: the vertex colors of {}");
+  tell(with_rest, "left out: the last vertices, which make no whole triangle, of {}");
+  tell(half_skinned, "left out: joints without weights, or weights without joints, of {}");
 }
 
 void warn_of_materials(const Model& model, const std::vector<const Model::Primitive*>& primitives,
@@ -98,7 +142,8 @@ void warn_of_what_is_left_out(const Model& model, const std::vector<std::size_t>
   warn_of_extensions(model, warn);
   warn_of_animation(clip, warn);
   const std::vector<const Model::Primitive*> primitives = shown_primitives(model, nodes);
-  warn_of_primitives(primitives, warn);
+  warn_of_skinned_instances(model, nodes, warn);
+  warn_of_primitives(model, primitives, warn);
   warn_of_materials(model, primitives, warn);
 }
 

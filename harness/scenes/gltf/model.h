@@ -62,6 +62,7 @@ struct Model {
     std::size_t mode = kTriangles;
     Attributes attributes;
     Index indices, material;
+    bool is_compressed = false;  ///< its vertices or indices are there in no other form
     std::vector<Attributes> targets;
   };
   struct Mesh {
@@ -89,10 +90,12 @@ struct Model {
     Vec3f emission{0, 0, 0};
     bool has_textures = false, has_emissive_texture = false;
     bool is_opaque = true;
-    bool is_diffuse = true;  ///< or says nothing of metal and roughness
+    bool is_diffuse = true;  ///< neither metal, which is the default, nor smooth
+    std::string problem;     ///< why there is none; of concern only where it is used
   };
   struct Camera {
     std::optional<double> vertical_fov;  ///< radians; none: orthographic
+    std::string problem;                 ///< as of a material
   };
   struct Light {
     enum class Kind { kDirectional, kPoint, kSpot };
@@ -100,6 +103,7 @@ struct Model {
     Vec3f intensity{1, 1, 1};               ///< of a directional light its illuminance
     double range = 0;                       ///< 0: it has none
     double inner_cone = 0, outer_cone = 0;  ///< radians, of a spot
+    std::string problem;                    ///< as of a material
   };
   struct Sampler {
     std::size_t input = 0, output = 0;

@@ -30,11 +30,26 @@ void take(const JsonObject& object, const char* name, std::array<double, N>& tar
   std::copy(numbers.begin(), numbers.end(), target.begin());
 }
 
+/// Whether `version` is a major and a minor version, as the specification wants it.
+bool is_version(std::string_view version) {
+  const std::size_t point = version.find('.');
+  if (point == std::string_view::npos) return false;
+  const auto are_digits = [](std::string_view text) {
+    return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos;
+  };
+  return are_digits(version.substr(0, point)) && are_digits(version.substr(point + 1));
+}
+
 void check_version(const JsonObject& document) {
   const auto asset = document.object("asset");
   const std::string version = asset ? asset->text("version") : std::string();
   if (version.empty()) fail("it is not a glTF file: its JSON has no asset.version");
+  const std::string least = asset->text("minVersion");
+  if (!is_version(version) || !(least.empty() || is_version(least)))
+    fail("its asset.version or asset.minVersion is not two numbers with a point between them, as in 2.0");
   if (!version.starts_with("2.")) fail("it is glTF version {}, only version 2 is supported", version);
+  if (!least.empty() && least != "2.0" && !least.starts_with("1.") && !least.starts_with("0."))
+    fail("it needs glTF version {}, only version 2.0 is supported", least);
 }
 
 Model::BufferView read_view(const JsonObject& source) {
@@ -79,7 +94,17 @@ Model::Accessor read_accessor(const JsonObject& source) {
   return accessor;
 }
 
-Model::Primitive read_primitive(const JsonObject& source) {
+/// Whether one of the accessors that a reader of Draco's data would fill has none of its own.
+bool lacks_data(const Model::Primitive& primitive, const std::vector<Model::Accessor>& accessors) {
+  const auto is_empty = [&](std::size_t index) {
+    return index < accessors.size() && !accessors[index].view && !accessors[index].sparse;
+  };
+  const auto position = primitive.attributes.find("POSITION");
+  return (primitive.indices && is_empty(*primitive.indices)) ||
+         (position != primitive.attributes.end() && is_empty(position->second));
+}
+
+Model::Primitive read_primitive(const JsonObject& source, const std::vector<Model::Accessor>& accessors) {
   Model::Primitive primitive;
   primitive.mode = source.whole_number("mode").value_or(kTriangles);
   if (primitive.mode > kTriangleFan) fail("{}.mode is the unknown {}", source.where(), primitive.mode);
@@ -90,15 +115,17 @@ Model::Primitive read_primitive(const JsonObject& source) {
   primitive.material = source.whole_number("material");
   for (const JsonObject& target : source.objects("targets"))
     primitive.targets.push_back(target.all_whole_numbers());
+  primitive.is_compressed =
+      source.extension("KHR_draco_mesh_compression") && lacks_data(primitive, accessors);
   return primitive;
 }
 
-Model::Mesh read_mesh(const JsonObject& source) {
+Model::Mesh read_mesh(const JsonObject& source, const std::vector<Model::Accessor>& accessors) {
   Model::Mesh mesh;
   mesh.name = source.text("name");
   mesh.weights = source.numbers("weights");
   for (const JsonObject& primitive : source.objects("primitives"))
-    mesh.primitives.push_back(read_primitive(primitive));
+    mesh.primitives.push_back(read_primitive(primitive, accessors));
   for (const Model::Primitive& primitive : mesh.primitives)
     mesh.target_count = std::max(mesh.target_count, primitive.targets.size());
   if (!mesh.weights.empty() && mesh.weights.size() != mesh.target_count)
@@ -144,13 +171,14 @@ Vec3f read_light(const JsonObject& source, const char* name, Vec3f color, double
 
 Model::Material read_material(const JsonObject& source) {
   Model::Material material;
+  material.is_diffuse = false;
   if (const auto surface = source.object("pbrMetallicRoughness")) {
     std::array<double, 4> color{1, 1, 1, 1};
     take(*surface, "baseColorFactor", color);
     const auto channel = [&](std::size_t i) { return static_cast<float>(std::clamp(color[i], 0.0, 1.0)); };
     material.base_color = {channel(0), channel(1), channel(2)};
     material.has_textures = surface->has("baseColorTexture") || surface->has("metallicRoughnessTexture");
-    material.is_diffuse = surface->number("metallicFactor").value_or(0) == 0 &&
+    material.is_diffuse = surface->number("metallicFactor").value_or(1) == 0 &&
                           surface->number("roughnessFactor").value_or(1) == 1;
   }
   const auto strength = source.extension("KHR_materials_emissive_strength");
@@ -174,7 +202,7 @@ Model::Camera read_camera(const JsonObject& source) {
   const double fov = perspective->number("yfov").value_or(0);
   if (!(fov > 0 && fov < std::numbers::pi))
     fail("{}.yfov is {}, which is not between 0 and pi", perspective->where(), fov);
-  return {fov};
+  return {fov, {}};
 }
 
 Model::Light read_light(const JsonObject& source) {
@@ -199,6 +227,20 @@ Model::Light read_light(const JsonObject& source) {
     fail("{} has a cone from {} to {}, which must not go down, and end at pi / 2 at most", source.where(),
          light.inner_cone, light.outer_cone);
   return light;
+}
+
+/// `read`, or why it cannot be read: of what nothing uses that does not matter.
+template <class Part>
+auto or_problem(Part (*read)(const JsonObject&)) {
+  return [read](const JsonObject& source) {
+    try {
+      return read(source);
+    } catch (const Problem& problem) {
+      Part part;
+      part.problem = problem.what();
+      return part;
+    }
+  };
 }
 
 Model::Channel read_channel(const JsonObject& source) {
@@ -258,14 +300,15 @@ Model read_model(const nlohmann::json& json) {
   };
   read_all(document, "bufferViews", read_view, model.views);
   read_all(document, "accessors", read_accessor, model.accessors);
-  read_all(document, "meshes", read_mesh, model.meshes);
-  read_all(document, "nodes", read_node, model.nodes);
-  read_all(document, "materials", read_material, model.materials);
-  read_all(document, "cameras", read_camera, model.cameras);
-  read_all(document, "animations", read_animation, model.animations);
   read_all(
-      document.extension("KHR_lights_punctual"), "lights",
-      [](const JsonObject& light) { return read_light(light); }, model.lights);
+      document, "meshes", [&](const JsonObject& mesh) { return read_mesh(mesh, model.accessors); },
+      model.meshes);
+  read_all(document, "nodes", read_node, model.nodes);
+  read_all(document, "materials", or_problem(read_material), model.materials);
+  read_all(document, "cameras", or_problem(read_camera), model.cameras);
+  read_all(document, "animations", read_animation, model.animations);
+  read_all(document.extension("KHR_lights_punctual"), "lights", or_problem<Model::Light>(read_light),
+           model.lights);
   read_all(
       document, "skins",
       [](const JsonObject& skin) {

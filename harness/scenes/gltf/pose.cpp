@@ -179,7 +179,7 @@ void Rig::rest(Pose& pose, std::vector<TranslationRotationScale>& transforms) co
   }
 }
 
-Pose Rig::pose(double time, Side side) const {
+Pose Rig::pose(double time, Side side, Scaling scaling) const {
   Pose pose;
   std::vector<TranslationRotationScale> transforms;
   rest(pose, transforms);
@@ -195,6 +195,9 @@ Pose Rig::pose(double time, Side side) const {
     bool is_visible = pose.visible[i];
     apply(*channels_[c], time, side, transforms[i], pose.weights[i], is_visible);
     pose.visible[i] = is_visible;
+  }
+  if (scaling == Scaling::kNone) {
+    for (TranslationRotationScale& transform : transforms) transform.scale = {1, 1, 1};
   }
   pose.world.resize(nodes_.size());
   for (std::size_t i = 0; i < nodes_.size(); ++i) {

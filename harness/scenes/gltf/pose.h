@@ -27,6 +27,9 @@ struct Pose {
   std::vector<std::vector<Affine>> joints;   ///< of each skin
 };
 
+/// What else than a matrix scales a node may be left out: cameras and lights follow only how it is turned.
+enum class Scaling { kAsInFile, kNone };
+
 /// Nodes, skins and the channels that move them: all of a file, or the few that one mesh follows. Refers to
 /// model, tree, clip and skins.
 class Rig {
@@ -48,7 +51,7 @@ class Rig {
   std::size_t skin_slot(std::size_t skin) const;
 
   /// What the clip does not animate, or everything without a clip, stands as in the file.
-  Pose pose(double time, Side side = Side::kAfter) const;
+  Pose pose(double time, Side side = Side::kAfter, Scaling scaling = Scaling::kAsInFile) const;
 
   /// Of the morph targets of the mesh at a node; none: all are 0.
   const std::vector<double>& weights(const Pose& pose, std::size_t node) const;

@@ -148,14 +148,6 @@ Affine blended(const Influences& influences, const std::vector<Affine>& joints, 
   return blend;
 }
 
-/// Values that float cannot hold become infinite, which the builders leave out and count.
-float rounded(double value) {
-  constexpr double kLargest = std::numeric_limits<float>::max();
-  if (std::abs(value) <= kLargest || std::isnan(value)) return static_cast<float>(value);
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
-  return value > 0 ? kInfinity : -kInfinity;
-}
-
 /// What moves the vertices of a primitive in a pose.
 struct Placement {
   const Geometry& geometry;
@@ -174,8 +166,8 @@ Placement placement(const Primitive& primitive, const Rig& rig, const Pose& pose
 /// A vertex in world space.
 Vec3f place(const Placement& at, std::size_t vertex) {
   const Vec3 p = morphed(at.geometry, at.morphs, vertex);
-  const Vec3 q = at.joints ? blended(at.geometry.influences, *at.joints, vertex).apply(p) : at.world.apply(p);
-  return {rounded(q.x), rounded(q.y), rounded(q.z)};
+  return rounded(at.joints ? blended(at.geometry.influences, *at.joints, vertex).apply(p)
+                           : at.world.apply(p));
 }
 
 /// The element of that attribute for each instance; none where it is not there.
@@ -194,7 +186,11 @@ std::vector<std::array<double, N>> instance_attribute(const Model& model, std::s
 }  // namespace
 
 bool has_triangles(const Model::Primitive& source) {
-  return source.mode >= kTriangles && source.attributes.contains("POSITION");
+  return source.mode >= kTriangles && source.attributes.contains("POSITION") && !source.is_compressed;
+}
+
+bool has_influences(const Model::Primitive& source) {
+  return source.attributes.contains("JOINTS_0") && source.attributes.contains("WEIGHTS_0");
 }
 
 std::shared_ptr<const Geometry> read_geometry(const Model& model, const Model::Primitive& source,

@@ -39,8 +39,10 @@ struct Primitive {
   Affine instance;                  ///< below the node
 };
 
-/// Triangles, strips and fans that have positions.
+/// Triangles, strips and fans that have positions which can be read.
 bool has_triangles(const Model::Primitive& source);
+/// Whether joints move it where its node has a skin.
+bool has_influences(const Model::Primitive& source);
 /// Of those. Without what joints do to it where it is not skinned. Throws Problem.
 std::shared_ptr<const Geometry> read_geometry(const Model& model, const Model::Primitive& source,
                                               bool is_skinned);

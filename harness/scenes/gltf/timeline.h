@@ -24,7 +24,9 @@ class Timeline {
   bool is_instant() const { return !(begin_ < end_); }
   const Rig& rig() const { return *rig_; }
   /// At 0, when the shutter opens, to 1, when it closes.
-  Pose pose(double fraction) const { return rig_->pose(clip_time(fraction)); }
+  Pose pose(double fraction, Scaling scaling = Scaling::kAsInFile) const {
+    return rig_->pose(clip_time(fraction), Side::kAfter, scaling);
+  }
   /// Seconds of the clip, likewise.
   double clip_time(double fraction) const { return repeated(begin_ + (end_ - begin_) * fraction); }
 

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "harness/scenes/affine.h"
 #include "harness/scenes/quaternion.h"
+#include "harness/scenes/vec3.h"
 
 namespace stbvh::harness::gltf {
 
@@ -13,6 +16,17 @@ namespace stbvh::harness::gltf {
 template <class Numbers>
 Quaternion to_quaternion(const Numbers& n) {
   return {n[3], n[0], n[1], n[2]};
+}
+
+/// What float cannot hold becomes infinite, which is found and left out where it is used.
+inline Vec3f rounded(Vec3 v) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  const auto coordinate = [](double x) {
+    if (std::abs(x) <= double{std::numeric_limits<float>::max()} || std::isnan(x))
+      return static_cast<float>(x);
+    return x > 0 ? kInfinity : -kInfinity;
+  };
+  return {coordinate(v.x), coordinate(v.y), coordinate(v.z)};
 }
 
 /// Scale, then rotation, then translation: numbers as they stand in the file.

@@ -5,6 +5,7 @@
 #include <cctype>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 namespace stbvh::harness::gltf {
 namespace {
@@ -36,9 +37,27 @@ constexpr std::array<std::uint8_t, 256> base64_digits() {
   return digits;
 }
 
-std::optional<std::vector<unsigned char>> decode_base64(std::string_view text) {
+constexpr std::string_view kBlanks = " \t\r\n\f";
+
+std::string_view trimmed(std::string_view text) {
+  const std::size_t first = std::min(text.find_first_not_of(kBlanks), text.size());
+  return text.substr(first, text.find_last_not_of(kBlanks) + 1 - first);
+}
+
+/// Where `mark` is for the first time outside quotes; npos if it is not.
+std::size_t find_unquoted(std::string_view text, char mark) {
+  bool is_quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '"') is_quoted = !is_quoted;
+    if (text[i] == mark && !is_quoted) return i;
+  }
+  return std::string_view::npos;
+}
+
+std::optional<std::vector<unsigned char>> decode_base64(std::string text) {
   static constexpr std::array<std::uint8_t, 256> kDigits = base64_digits();
-  for (int i = 0; i < 2 && text.ends_with('='); ++i) text.remove_suffix(1);
+  std::erase_if(text, [](char c) { return kBlanks.find(c) != std::string_view::npos; });
+  for (int i = 0; i < 2 && text.ends_with('='); ++i) text.pop_back();
   if (text.size() % 4 == 1) return std::nullopt;
   std::vector<unsigned char> bytes;
   bytes.reserve(text.size() / 4 * 3 + 2);
@@ -78,15 +97,27 @@ bool is_data_uri(std::string_view uri) {
   return is_same(uri.substr(0, 5), "data:");
 }
 
+bool has_scheme(std::string_view uri) {
+  return is_same(uri.substr(0, 5), "file:") || uri.find("://") < uri.find_first_of("/?#%");
+}
+
 std::optional<std::vector<unsigned char>> decode_data_uri(std::string_view uri) {
-  const std::size_t comma = uri.find(',');
+  constexpr std::string_view kBase64 = "base64";
+  uri.remove_prefix(uri.find(':') + 1);
+  const std::size_t comma = find_unquoted(uri, ',');
   if (comma == std::string_view::npos) return std::nullopt;
-  constexpr std::string_view kBase64 = ";base64";
-  const std::string_view media_type = uri.substr(0, comma);
-  const std::string data = percent_decoded(uri.substr(comma + 1));
-  const bool is_base64 = media_type.size() >= kBase64.size() &&
-                         is_same(media_type.substr(media_type.size() - kBase64.size()), kBase64);
-  if (is_base64) return decode_base64(data);
+  bool is_base64 = false;
+  std::string_view parameters = uri.substr(0, comma);  // behind the media type
+  for (std::size_t end = find_unquoted(parameters, ';'); end != std::string_view::npos;
+       end = find_unquoted(parameters, ';')) {
+    parameters.remove_prefix(end + 1);
+    const std::string_view parameter = trimmed(parameters.substr(0, find_unquoted(parameters, ';')));
+    if (is_base64) return std::nullopt;  // which is the last
+    is_base64 = is_same(parameter, kBase64);
+    if (!is_base64 && is_same(parameter.substr(0, kBase64.size()), kBase64)) return std::nullopt;
+  }
+  std::string data = percent_decoded(uri.substr(comma + 1));
+  if (is_base64) return decode_base64(std::move(data));
   return std::vector<unsigned char>(data.begin(), data.end());
 }
 

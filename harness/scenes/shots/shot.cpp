@@ -146,8 +146,10 @@ class ShotLoader {
   }
 
   void set_camera() {
-    if (cameras_.empty() || !std::ranges::all_of(cameras_, looks_somewhere)) {
-      if (!cameras_.empty()) tell("its camera looks nowhere; another one shows everything");
+    const auto wrong = std::ranges::find_if(cameras_, [](const Camera& c) { return !problem_of(c).empty(); });
+    if (cameras_.empty() || wrong != cameras_.end()) {
+      if (!cameras_.empty())
+        tell(fmt::format("its camera {}; another one shows everything", problem_of(*wrong)));
       scene_.camera = gltf::framing_camera(scene_);
       scene_.is_framed = true;
       return;
