@@ -13,6 +13,7 @@
 #include "harness/program/session.h"
 #include "harness/program/trace.h"
 #include "harness/program/usage_error.h"
+#include "harness/program/whole_numbers.h"
 #include "harness/report/table.h"
 #include "harness/scenes/frames.h"
 
@@ -36,8 +37,8 @@ void add_options(CLI::App& app, FramesOptions& o) {
   o.count = 100'000;
   add_scene_options(app, o);
   add_structures_option(app, o.structures, kStructures);
-  app.add_option("--frames", o.frames, "How many, separated by commas")
-      ->delimiter(',')
+  add_whole_numbers_option(
+      app, "--frames", [&o](const auto& frames) { o.frames = frames; }, "How many, separated by commas")
       ->default_str("24,240");
   add_number_option(app, "--sampled", o.sampled, kMaxSteps, "Frames that are measured, of all");
   add_json_option(app, o);

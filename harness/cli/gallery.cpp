@@ -18,6 +18,7 @@
 #include "harness/program/script.h"
 #include "harness/program/session.h"
 #include "harness/program/usage_error.h"
+#include "harness/program/whole_numbers.h"
 #include "harness/report/gallery_table.h"
 #include "harness/report/machine.h"
 #include "harness/report/summary.h"
@@ -66,13 +67,13 @@ void add_options(CLI::App& app, GalleryOptions& o) {
   add_count_option(app, o.count);
   add_number_option(app, "--threads", o.threads, usable_core_count(), kPinnedThreads);
   add_repeats_option(app, o.repeats);
-  app.add_option_function<std::size_t>(
-         "--growth",
-         [&o](std::size_t triangles) {
-           if (triangles > 0) check_range("--growth", triangles, kMostTriangles);
-           o.growth = triangles;
-         },
-         "Triangles of the scenes whose steps and turns grow; 0: none do")
+  add_whole_number_option(
+      app, "--growth",
+      [&o](std::size_t triangles) {
+        if (triangles > 0) check_range("--growth", triangles, kMostTriangles);
+        o.growth = triangles;
+      },
+      "Triangles of the scenes whose steps and turns grow; 0: none do")
       ->default_str(std::to_string(o.growth));
   app.add_flag("--no-pictures", o.no_pictures, "Only tables and records: without python3-matplotlib");
 }

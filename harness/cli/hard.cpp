@@ -12,6 +12,7 @@
 #include "harness/program/options.h"
 #include "harness/program/pinned_threads.h"
 #include "harness/program/session.h"
+#include "harness/program/whole_numbers.h"
 #include "harness/report/machine.h"
 #include "harness/report/screen.h"
 #include "harness/report/table.h"
@@ -49,7 +50,7 @@ void add_options(CLI::App& app, HardOptions& o) {
       ->delimiter(',')
       ->default_str("all");
   add_count_option(app, o.count, "Rays of each family");
-  app.add_option("--seed", o.seed, "Seed of scenes and rays")->capture_default_str();
+  add_seed_option(app, o.seed, "Seed of scenes and rays");
 }
 
 void run_hard(const HardOptions& options) {

@@ -15,6 +15,7 @@
 #include "harness/program/scene_options.h"
 #include "harness/program/session.h"
 #include "harness/program/usage_error.h"
+#include "harness/program/whole_numbers.h"
 #include "harness/report/machine.h"
 #include "harness/report/table.h"
 #include "harness/scenes/procedural/procedural.h"
@@ -59,10 +60,10 @@ void add_options(CLI::App& app, ScalingOptions& o) {
          "steps, triangles (only builds), threads; bytes: percentages of embree's that structures that can "
          "may take; or tolerance: 4 is 1e-4 of the diagonal")
       ->required();
-  app.add_option("--values", o.values,
-                 "How many of them, separated by commas. Default: 2 to 129 steps, 100000 to 1000000 "
-                 "triangles, 1 to all threads, 20 to 200 % of the bytes, 1e-2 to 1e-6")
-      ->delimiter(',');
+  add_whole_numbers_option(
+      app, "--values", [&o](const auto& values) { o.values = values; },
+      "How many of them, separated by commas. Default: 2 to 129 steps, 100000 to 1000000 "
+      "triangles, 1 to all threads, 20 to 200 % of the bytes, 1e-2 to 1e-6");
   const auto choose = [&o](const std::string& name) {
     std::vector<std::string_view> known;
     for (const ProceduralScene& scene : procedural_scenes()) known.push_back(scene.name);
@@ -75,7 +76,7 @@ void add_options(CLI::App& app, ScalingOptions& o) {
          "have any number of them")
       ->default_str(o.scene);
   add_scale_option(app, o.scale);
-  app.add_option("--seed", o.seed, "Seed of scene and rays")->capture_default_str();
+  add_seed_option(app, o.seed, "Seed of scene and rays");
   add_resampling_option(app, o.resampling);
   add_tolerance_option(app, o.tolerance);
   add_max_bytes_option(app, o.max_bytes);

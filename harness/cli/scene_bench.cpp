@@ -14,6 +14,7 @@
 #include "harness/program/pinned_threads.h"
 #include "harness/program/trace.h"
 #include "harness/program/usage_error.h"
+#include "harness/program/whole_numbers.h"
 #include "harness/report/table.h"
 #include "harness/structures/memory_estimate.h"
 
@@ -173,11 +174,12 @@ class SceneBench {
   std::vector<SpeedResult> speeds_;
 };
 
-void set_thread_counts(std::vector<unsigned> counts, std::vector<unsigned>& result) {
-  for (unsigned count : counts) check_range("--threads", count, usable_core_count());
+void set_thread_counts(std::vector<std::size_t> counts, std::vector<unsigned>& result) {
+  for (const std::size_t count : counts) check_range("--threads", count, usable_core_count());
   std::sort(counts.begin(), counts.end());
   counts.erase(std::unique(counts.begin(), counts.end()), counts.end());
-  result = std::move(counts);
+  result.clear();
+  for (const std::size_t count : counts) result.push_back(static_cast<unsigned>(count));
 }
 
 }  // namespace
@@ -201,11 +203,10 @@ void add_options(CLI::App& app, BenchOptions& o) {
   add_tables_option(app, o);
   add_rays_option(app, o.rays);
   add_count_option(app, o.count);
-  app.add_option_function<std::vector<unsigned>>(
-         "--threads", [&o](const auto& counts) { set_thread_counts(counts, o.thread_counts); },
-         "Threads, each pinned to a core; several counts, separated by commas: speeds with each of "
-         "them, builds with the largest")
-      ->delimiter(',')
+  add_whole_numbers_option(
+      app, "--threads", [&o](const auto& counts) { set_thread_counts(counts, o.thread_counts); },
+      "Threads, each pinned to a core; several counts, separated by commas: speeds with each of "
+      "them, builds with the largest")
       ->default_str("all cores");
   add_repeats_option(app, o.repeats);
   add_build_budget_option(app, o.build_budget_s,

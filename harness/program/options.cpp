@@ -12,6 +12,7 @@
 #include "harness/program/closest_name.h"
 #include "harness/program/pinned_threads.h"
 #include "harness/program/usage_error.h"
+#include "harness/program/whole_numbers.h"
 #include "harness/rays/ray_generator.h"
 #include "harness/scenes/reach.h"
 #include "harness/structures/structure_under_test.h"
@@ -39,11 +40,11 @@ std::vector<RayKind> chosen_rays(const std::vector<std::string>& asked) {
 
 template <class Threads>
 void take_threads(CLI::App& app, Threads& threads, const char* description) {
-  const auto take = [&threads](unsigned count) {
+  const auto take = [&threads](std::size_t count) {
     check_range("--threads", count, usable_core_count());
-    threads = count;
+    threads = static_cast<unsigned>(count);
   };
-  app.add_option_function<unsigned>("--threads", take, description)->default_str("all cores");
+  add_whole_number_option(app, "--threads", take, description)->default_str("all cores");
 }
 
 }  // namespace
@@ -143,7 +144,7 @@ CLI::Option* add_number_option(CLI::App& app, const char* name, std::size_t& val
     check_range(name, number, most);
     value = number;
   };
-  return app.add_option_function<std::size_t>(name, take, description)->default_str(std::to_string(value));
+  return add_whole_number_option(app, name, take, description)->default_str(std::to_string(value));
 }
 
 CLI::Option* add_structures_option(CLI::App& app, std::vector<std::string>& structures,

@@ -104,6 +104,16 @@ void flush_output() {
 }  // namespace
 
 std::string one_line(std::string text) {
+  constexpr std::size_t kKept = 250;  // bytes of either end: names may be there, and what is wrong with them
+  const auto is_within_character = [&](std::size_t i) {
+    return (static_cast<unsigned char>(text[i]) >> 6) == 2;
+  };
+  if (text.size() > 2 * kKept) {
+    std::size_t begin = kKept, end = text.size() - kKept;
+    while (begin > 0 && is_within_character(begin)) --begin;
+    while (end < text.size() && is_within_character(end)) ++end;
+    text.replace(begin, end - begin, "...");
+  }
   for (char& c : text) {
     if ((c >= 0 && c < ' ') || c == '\x7f') c = '?';
   }
@@ -138,6 +148,8 @@ int run_as_program(const std::function<void()>& work) {
     std::fflush(stdout);
     end_without_memory();
   } catch (const std::system_error& e) {
+    if (std::ferror(stdout) == 0 && e.code() == std::errc::resource_unavailable_try_again)
+      return fail(1, fmt::format("A thread could not be started: {}.", e.code().message()));
     if (std::ferror(stdout) == 0) return fail(1, e.what());
     return fail(1, fmt::format("Cannot write to standard output: {}.", e.code().message()));
   } catch (const std::exception& e) {

@@ -14,6 +14,7 @@
 #include "harness/program/options.h"
 #include "harness/program/program.h"
 #include "harness/program/usage_error.h"
+#include "harness/program/whole_numbers.h"
 #include "harness/scenes/procedural/procedural.h"
 
 namespace stbvh::harness {
@@ -155,7 +156,7 @@ void add_max_bytes_option(CLI::App& app, MemoryBudget& budget) {
 void add_making_options(CLI::App& app, MakingOptions& m) {
   const std::size_t first = app.get_options().size();
   add_scale_option(app, m.scale);
-  app.add_option("--seed", m.seed, "Seed of scenes and rays")->capture_default_str();
+  add_seed_option(app, m.seed, "Seed of scenes and rays");
   app.add_option("--clip", m.gltf.clip, "glTF: name or number of the animation. Default: the first");
   app.add_option("--gltf-scene", m.gltf.scene,
                  "glTF: name or number of the scene. Default: the file's own, or the first with a mesh");

@@ -13,8 +13,10 @@ EmbreeDevice::EmbreeDevice(std::string_view options, unsigned threads) {
       threads > 0 ? fmt::format("threads={},{}", threads, options) : std::string(options);
   device_ = rtcNewDevice(config.c_str());
   if (device_ == nullptr) {
-    throw std::runtime_error(fmt::format("Embree cannot make a device with \"{}\" (error {}).", config,
-                                         static_cast<int>(rtcGetDeviceError(nullptr))));
+    const RTCError error = rtcGetDeviceError(nullptr);
+    if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
+    throw std::runtime_error(
+        fmt::format("Embree cannot make a device with \"{}\" (error {}).", config, static_cast<int>(error)));
   }
   rtcSetDeviceErrorFunction(
       device_,

@@ -43,19 +43,24 @@ INSTANTIATE_TEST_SUITE_P(
         "bench --scenes wheels --threads 1,0", "bench --scenes wheels --threads 1,x",
         "error --scenes wheels --threads 1,1", "bench --scenes wheels --count 0",
         "bench --scenes wheels --count 1000000000000", "bench --scenes wheels --seed x",
-        "bench --scenes wheels --build-budget nan", "bench --scenes wheels --build-budget -1",
-        "bench --scenes wheels --json /no/such/directory/a.json", "bench --scenes wheels --json /tmp",
-        "error --scenes wheels --json /proc/a.json", "error --scenes wheels --no-such-option",
-        "error --scenes wheels --repeats 3", "error --scenes a.glb --steps 0",
-        "error --scenes a.glb --steps 130", "error --scenes a.glb --steps 2.5",
-        "error --scenes a.glb --steps auto", "error --scenes a.glb --steps auto:0",
-        "error --scenes a.glb --steps auto:1", "error --scenes a.glb --steps auto:nan",
-        "error --scenes a.glb --steps keys:0", "error --scenes a.glb --steps keys:",
-        "error --scenes a.glb --steps keyss", "error --resample-steps uneven",
-        "error --resample-steps uneven:1", "error --resample-steps 1", "scaling --over steps --tolerance 1",
-        "bench --resample-steps 4097", "bench --tolerance -1", "error --tolerance nan",
-        "error --scenes a.glb --steps auto:1e-3x", "error --scenes a.glb --shutter-mode bounce",
-        "error --scenes none.obj", "error --scenes /none/walk_%04d.obj", "error --scenes walk_%s.obj",
+        "bench --count=-18446744073709551615", "error --seed -1", "error --seed=-1", "hard --seed=-1",
+        "error --seed 18446744073709551616", "hard --count=+5", "hard --count ' 5'",
+        "hard --count=", "frames --frames 1,,2", "frames --frames 1,", "scaling --over steps --values 2,,3",
+        "scaling --over steps --values ,3", "scaling --over steps --seed=-1", "bench --threads 1,,1",
+        "hard --threads=-1", "gallery -o /tmp/none --growth=-1", "bench --scenes wheels --build-budget nan",
+        "bench --scenes wheels --build-budget -1", "bench --scenes wheels --json /no/such/directory/a.json",
+        "bench --scenes wheels --json /tmp", "error --scenes wheels --json /proc/a.json",
+        "error --scenes wheels --no-such-option", "error --scenes wheels --repeats 3",
+        "error --scenes a.glb --steps 0", "error --scenes a.glb --steps 130",
+        "error --scenes a.glb --steps 2.5", "error --scenes a.glb --steps auto",
+        "error --scenes a.glb --steps auto:0", "error --scenes a.glb --steps auto:1",
+        "error --scenes a.glb --steps auto:nan", "error --scenes a.glb --steps keys:0",
+        "error --scenes a.glb --steps keys:", "error --scenes a.glb --steps keyss",
+        "error --resample-steps uneven", "error --resample-steps uneven:1", "error --resample-steps 1",
+        "scaling --over steps --tolerance 1", "bench --resample-steps 4097", "bench --tolerance -1",
+        "error --tolerance nan", "error --scenes a.glb --steps auto:1e-3x",
+        "error --scenes a.glb --shutter-mode bounce", "error --scenes none.obj",
+        "error --scenes /none/walk_%04d.obj", "error --scenes walk_%s.obj",
         "error --scenes a.glb --shutter 1", "error --scenes a.glb --shutter 1,0",
         "error --scenes a.glb --shutter 0,nan", "hard --families no-such", "hard --structures stbhv",
         "hard --count 0", "hard --threads 0", "hard --scenes wheels", "hard --rays bounce", "hard --seed x",
@@ -102,6 +107,28 @@ TEST(Program, EndsWithTheExitCodeOfWhatWentWrong) {
   EXPECT_EQ(run_as_program([] { throw std::runtime_error("no"); }), 1);
   EXPECT_EQ(run_as_program([] { std::filesystem::copy_file("/no/such", "/no/other"); }), 2);
   EXPECT_EQ(one_line("a\nb\x1b[31m\xC3\xBC"), "a?b?[31m\xC3\xBC");
+}
+
+TEST(Program, SaysWhatNamesOfAnyLengthDoNotHide) {
+  std::string umlauts;
+  for (int i = 0; i < 100'000; ++i) umlauts += "\xC3\xBC";
+  for (const char* const before : {"", "a"}) {
+    const std::string line = one_line(before + ("Cannot read \"" + umlauts) + "\": no such file.");
+    EXPECT_LE(line.size(), 510u);
+    EXPECT_TRUE(line.ends_with("\xC3\xBC\": no such file.")) << line;
+    EXPECT_NE(line.find("\xC3\xBC...\xC3\xBC"), std::string::npos) << line;
+  }
+  const Outcome run = stbvh_ab("error --scenes " + std::string(100'000, 'x'));
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_LT(run.out.size(), 600u);
+}
+
+TEST(Program, SaysThatAThreadCouldNotBeStarted) {
+  testing::internal::CaptureStderr();
+  const auto none = [] { throw std::system_error(EAGAIN, std::generic_category()); };
+  EXPECT_EQ(run_as_program(none), 1);
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("A thread could not be started: "),
+            std::string::npos);
 }
 
 TEST(Program, SuggestsTheClosestName) {

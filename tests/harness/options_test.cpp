@@ -9,6 +9,7 @@
 #include "harness/cli/scene_bench.h"
 #include "harness/program/pinned_threads.h"
 #include "harness/program/usage_error.h"
+#include "harness/program/whole_numbers.h"
 #include "harness/scenes/procedural/procedural.h"
 
 namespace stbvh::harness {
@@ -76,6 +77,19 @@ TEST(SceneOptions, AreHandedOnAsTheyWereGiven) {
     EXPECT_EQ(o.gltf.shutter_mode, ShutterMode::kLoop);
     EXPECT_EQ(o.gltf.largest_deviation, 1e-3);
   }
+}
+
+TEST(SceneOptions, SeedsAreAnyWholeNumber) {
+  EXPECT_EQ(parse({"bench"}).seed, 1u);
+  EXPECT_EQ(parse({"bench", "--seed", "18446744073709551615"}).seed, std::uint64_t{0} - 1);
+  EXPECT_EQ(parse({"bench", "--seed=0"}).seed, 0u);
+}
+
+TEST(WholeNumbers, AreDigitsAlone) {
+  EXPECT_EQ(parse_whole_number("--count", "007"), 7u);
+  for (const char* text : {"", "-1", "+1", " 1", "1 ", "1.0", "1e3", "0x10", "18446744073709551616",
+                           "-18446744073709551615", "1'000"})
+    EXPECT_THROW(parse_whole_number("--count", text), UsageError) << text;
 }
 
 TEST(ThreadOptions, AreAllCoresOrAListOfCounts) {
