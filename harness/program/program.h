@@ -8,8 +8,8 @@
 
 namespace stbvh::harness {
 
-/// `text` with control characters, which names in files may hold, as question marks, and without its middle where
-/// it is longer than a screen should hold.
+/// `text` with control characters, which names in files may hold, as question marks, and without its middle
+/// where it is longer than a screen should hold.
 std::string one_line(std::string text);
 
 /// Writes `text` to stderr. One that cannot be written to is no reason to end: nothing is thrown.
