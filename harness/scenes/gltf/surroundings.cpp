@@ -76,7 +76,7 @@ CameraNodes find_cameras(const Model& model, const std::vector<std::size_t>& nod
 /// Where the camera at `node` is at `steps` times; none where it looks nowhere at one of them.
 std::vector<Camera> camera_path(const Timeline& timeline, std::size_t node, double vertical_fov,
                                 std::size_t steps, Vec3 middle_of_scene) {
-  const Rig rig = timeline.rig().part(node, std::nullopt);
+  const Rig rig = timeline.rig().chain(node);
   const Timeline own = timeline.part(rig);
   std::vector<Camera> path;
   for (std::size_t i = 0; i < steps; ++i) {
