@@ -2,6 +2,7 @@
 /// they mean.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -206,6 +207,82 @@ TEST_F(GltfSizeTest, AChainThatIsShownAndHidden) {
   ASSERT_EQ(last.steps.size(), 3u);
   EXPECT_EQ(last.steps[1][0].x, 6);
   EXPECT_EQ(last.steps[1][0].y, static_cast<float>(count));
+}
+
+TEST_F(GltfSizeTest, AChainThatFollowsOneNode) {
+  const int count = 20'000;
+  Document d = chain(count);
+  animate_node(d, 0, "translation", {0, 1, 4}, {0, 1, 0, 8000, 1, 0, 0, 1, 0});
+  for (const GltfOptions& options : all_kinds_of_steps()) {
+    const Scene scene = load(d, options);
+    ASSERT_EQ(scene.meshes.size(), std::size_t{count});
+    const Mesh& last = scene.meshes.back();
+    EXPECT_GE(last.steps.size(), 3u);
+    EXPECT_EQ(last.steps.back()[0].x, 0);
+    EXPECT_EQ(last.steps.back()[0].y, static_cast<float>(count));
+  }
+}
+
+/// Many meshes with one skin of many joints, each of whose vertices follow two; one of them moves.
+TEST_F(GltfSizeTest, MeshesThatShareASkin) {
+  const int count = 10'000;
+  Document d;
+  d.primitive()["attributes"]["JOINTS_0"] =
+      d.add<std::uint16_t>("VEC4", 5123, {7, 0, 0, 9, 7, 0, 0, 9, 7, 0, 0, 9, 7, 0, 0, 9});
+  d.primitive()["attributes"]["WEIGHTS_0"] =
+      d.add<float>("VEC4", 5126, {0.25f, 0, 0, 0.75f, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0});
+  d.root["nodes"] = json::array();
+  for (int i = 0; i < 2 * count; ++i) {
+    if (i < count) {
+      d.root["skins"][0]["joints"].push_back(i);
+      d.root["nodes"].push_back({{"translation", {i, 0, 0}}});
+    } else {
+      d.root["nodes"].push_back({{"mesh", 0}, {"skin", 0}});
+    }
+    d.root["scenes"][0]["nodes"][static_cast<std::size_t>(i)] = i;
+  }
+  animate_node(d, 9, "translation", {0, 1, 4}, {9, 0, 0, 9, 8, 0, 9, 0, 8});
+  for (const GltfOptions& options : all_kinds_of_steps()) {
+    const Scene scene = load(d, options);
+    ASSERT_EQ(scene.meshes.size(), std::size_t{count});
+    const Mesh& last = scene.meshes.back();
+    EXPECT_GE(last.steps.size(), 3u);
+    EXPECT_EQ(last.steps.back()[0].x, 8.5f);  // 7 and 9
+    EXPECT_EQ(last.steps.back()[0].z, 6);
+    EXPECT_EQ(last.steps.back()[1].x, 8);
+  }
+}
+
+/// Below and above what moves, by maps of all kinds: as a pose of the whole file has it.
+TEST_F(GltfSizeTest, WhatStandsStillBetweenWhatMovesIsKept) {
+  Document d = chain(8);
+  const double half = std::sqrt(0.5);
+  d.root["nodes"][0]["rotation"] = {0, half, 0, half};
+  d.root["nodes"][1]["scale"] = {2, 3, -1};
+  d.root["nodes"][3].erase("translation");
+  d.root["nodes"][3]["matrix"] = {0, 1, 0, 0, 2, 0, 0, 0, 0.5, 0, 1, 0, 3, 4, 5, 1};
+  d.root["nodes"][4]["rotation"] = {half, 0, 0, half};
+  d.root["nodes"][6]["scale"] = {1, 0.25, 1};
+  turn_by_90_degrees(d, 2);
+  animate_node(d, 5, "translation", {0, 0.5f, 1}, {0, 1, 0, 5, 1, 0, 5, 9, 0});
+  const auto at = [&](double time) { return load(d, {"", FilePart{time, time}, 1}); };
+  const Scene begin = at(0), end = at(1);
+  for (const GltfOptions& options : all_kinds_of_steps()) {
+    const Scene scene = load(d, options);
+    ASSERT_EQ(scene.meshes.size(), 8u);
+    for (std::size_t m = 0; m < 8; ++m) {
+      EXPECT_EQ(scene.meshes[m].is_static(), m < 2) << m;
+      for (std::size_t v = 0; v < 4; ++v) {
+        const Vec3f first = scene.meshes[m].steps.front()[v], last = scene.meshes[m].steps.back()[v];
+        const Vec3f at_begin = begin.meshes[m].steps[0][v],
+                    at_end = (m < 2 ? begin : end).meshes[m].steps[0][v];
+        for (const auto coordinate : {&Vec3f::x, &Vec3f::y, &Vec3f::z}) {
+          EXPECT_NEAR(first.*coordinate, at_begin.*coordinate, 1e-5) << m;
+          EXPECT_NEAR(last.*coordinate, at_end.*coordinate, 1e-5) << m;
+        }
+      }
+    }
+  }
 }
 
 }  // namespace

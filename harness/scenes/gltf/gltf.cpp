@@ -174,13 +174,15 @@ bool moves(const Part& part, const Timeline& timeline) {
   return !timeline.is_instant() && timeline.rig().moves_mesh(primitive.node, primitive.skin);
 }
 
+Rig::Follows follows(const Part& part) {
+  const Primitive& primitive = part.source->primitive;
+  return {primitive.node, primitive.skin, primitive.geometry->influences.used};
+}
+
 /// The rig of those of `parts` that are numbered so; one for all of them, so that they share its poses.
 Rig rig_of(const std::vector<Part>& parts, const std::vector<std::size_t>& numbers, const Rig& whole) {
   std::vector<Rig::Follows> meshes;
-  for (const std::size_t p : numbers) {
-    const Primitive& primitive = parts[p].source->primitive;
-    meshes.push_back({primitive.node, primitive.skin});
-  }
+  for (const std::size_t p : numbers) meshes.push_back(follows(parts[p]));
   return whole.part(meshes);
 }
 
@@ -272,7 +274,8 @@ std::vector<Motion> chosen_steps(const std::vector<Part>& parts, const Timeline&
       motion.steps.push_back(deform(primitive, timeline.rig(), first));
       continue;
     }
-    const Rig rig = timeline.rig().part(primitive.node, primitive.skin);
+    const Rig::Follows mesh = follows(part);
+    const Rig rig = timeline.rig().part({&mesh, 1});
     too_few.add(
         make(part, timeline.part(rig, part.interval.begin, part.interval.end), share * diagonal, motion),
         share, diagonal);

@@ -1,8 +1,6 @@
 #include "harness/scenes/gltf/pose.h"
 
 #include <algorithm>
-#include <numeric>
-#include <set>
 #include <unordered_set>
 #include <utility>
 
@@ -13,6 +11,10 @@ const std::vector<double>& resting_weights(const Model& model, std::size_t node)
   const Model::Node& source = model.nodes[node];
   const bool has_mesh = source.mesh && *source.mesh < model.meshes.size();
   return source.weights.empty() && has_mesh ? model.meshes[*source.mesh].weights : source.weights;
+}
+
+Affine resting_map(const Model::Node& node) {
+  return node.matrix ? Affine::from_columns(*node.matrix) : node.transform.matrix();
 }
 
 void apply(const Channel& channel, double time, Side side, TranslationRotationScale& transform,
@@ -45,10 +47,34 @@ void apply(const Channel& channel, double time, Side side, TranslationRotationSc
 }  // namespace
 
 Rig::Rig(const Model& model, const NodeTree& tree, const Clip* clip, const std::vector<Skin>& skins)
-    : model_(model), tree_(tree), skins_(skins), nodes_(tree.parents_first()), skin_slots_(skins.size()) {
-  std::iota(skin_slots_.begin(), skin_slots_.end(), std::size_t{0});
+    : model_(model), tree_(tree), skins_(skins), nodes_(tree.parents_first()) {
   if (clip != nullptr) add_channels(*clip);
+  for (const std::size_t node : nodes_) {
+    const std::size_t parent = tree.parent(node);
+    above_.push_back(parent == NodeTree::kNoParent ? parent : slot(parent));
+  }
   find_what_moves();
+  for (const Skin& skin : skins) {
+    moves_skins_.push_back(
+        std::any_of(skin.nodes.begin(), skin.nodes.end(), [&](std::size_t joint) { return moves(joint); }));
+  }
+  sum_up_rests();
+}
+
+/// In the tree's order, so that each node adds one map to those of its parent.
+void Rig::sum_up_rests() {
+  anchors_.resize(nodes_.size(), NodeTree::kNoParent);
+  rests_.resize(nodes_.size());
+  for (const std::size_t node : nodes_) {
+    const std::size_t parent = tree_.parent(node);
+    if (parent == NodeTree::kNoParent) continue;
+    if (!channels_of(parent).empty()) {
+      anchors_[node] = parent;
+      continue;
+    }
+    anchors_[node] = anchors_[parent];
+    rests_[node] = rests_[parent] * resting_map(model_.nodes[parent]);
+  }
 }
 
 /// What moves the weights of a mesh comes before what moves those of its nodes.
@@ -72,12 +98,15 @@ void Rig::add_channels(const Clip& clip) {
   }
 }
 
-Rig::Rig(const Rig& whole, std::vector<std::size_t> nodes, std::vector<std::size_t> skins)
-    : model_(whole.model_),
-      tree_(whole.tree_),
-      skins_(whole.skins_),
-      nodes_(std::move(nodes)),
-      skin_slots_(std::move(skins)) {
+Rig::Rig(const Rig& whole, std::vector<std::size_t> nodes, Kind kind)
+    : model_(whole.model_), tree_(whole.tree_), skins_(whole.skins_), nodes_(std::move(nodes)) {
+  std::sort(nodes_.begin(), nodes_.end(),
+            [&](std::size_t a, std::size_t b) { return tree_.rank(a) < tree_.rank(b); });
+  for (const std::size_t node : nodes_) {
+    const std::size_t above = kind == Kind::kPart ? whole.anchors_[node] : tree_.parent(node);
+    above_.push_back(above == NodeTree::kNoParent ? above : slot(above));
+    if (kind == Kind::kPart) between_.push_back(whole.rests_[node]);
+  }
   for (const std::size_t node : nodes_) {
     const auto own = whole.channels_of(node);
     channels_.insert(channels_.end(), own.begin(), own.end());
@@ -92,26 +121,22 @@ std::span<const Channel* const> Rig::channels_of(std::size_t node) const {
                                       static_cast<std::size_t>(last - first));
 }
 
-Rig Rig::part(std::size_t node, std::optional<std::size_t> skin) const {
-  const Follows mesh{node, skin};
-  return part({&mesh, 1});
+Rig Rig::chain(std::size_t node) const {
+  std::vector<std::size_t> nodes;
+  for (std::size_t at = node; at != NodeTree::kNoParent; at = tree_.parent(at)) nodes.push_back(at);
+  return {*this, std::move(nodes), Kind::kChain};
 }
 
 Rig Rig::part(std::span<const Follows> meshes) const {
   std::unordered_set<std::size_t> found;
-  const auto add_with_parents = [&](std::size_t at) {
-    while (at != NodeTree::kNoParent && found.insert(at).second) at = tree_.parent(at);
+  const auto add_with_anchors = [&](std::size_t at) {
+    while (at != NodeTree::kNoParent && found.insert(at).second) at = anchors_[at];
   };
-  std::set<std::size_t> skins;
   for (const Follows& mesh : meshes) {
-    add_with_parents(mesh.node);
-    if (!mesh.skin || !skins.insert(*mesh.skin).second) continue;
-    for (const std::size_t joint : skins_[*mesh.skin].nodes) add_with_parents(joint);
+    add_with_anchors(mesh.node);
+    for (const std::uint32_t joint : mesh.joints) add_with_anchors(skins_[*mesh.skin].nodes[joint]);
   }
-  std::vector<std::size_t> nodes(found.begin(), found.end());
-  std::sort(nodes.begin(), nodes.end(),
-            [&](std::size_t a, std::size_t b) { return tree_.rank(a) < tree_.rank(b); });
-  return {*this, std::move(nodes), {skins.begin(), skins.end()}};
+  return {*this, {found.begin(), found.end()}, Kind::kPart};
 }
 
 void Rig::find_what_moves() {
@@ -126,15 +151,9 @@ void Rig::find_what_moves() {
       moves_[i] = true;
   }
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
-    if (tree_.parent(nodes_[i]) == NodeTree::kNoParent) continue;
-    const std::size_t parent = slot(tree_.parent(nodes_[i]));
-    if (moves_[parent]) moves_[i] = true;
-    if (blinks_[parent]) blinks_[i] = true;
-  }
-  for (const std::size_t skin : skin_slots_) {
-    const std::vector<std::size_t>& joints = skins_[skin].nodes;
-    moves_skins_.push_back(
-        std::any_of(joints.begin(), joints.end(), [&](std::size_t joint) { return moves(joint); }));
+    if (above_[i] == NodeTree::kNoParent) continue;
+    if (moves_[above_[i]]) moves_[i] = true;
+    if (blinks_[above_[i]]) blinks_[i] = true;
   }
 }
 
@@ -149,9 +168,8 @@ std::size_t Rig::slot_of_rank(std::size_t rank) const {
   return static_cast<std::size_t>(found - nodes_.begin());
 }
 
-std::size_t Rig::skin_slot(std::size_t skin) const {
-  return static_cast<std::size_t>(std::lower_bound(skin_slots_.begin(), skin_slots_.end(), skin) -
-                                  skin_slots_.begin());
+Affine Rig::joint(const Pose& pose, std::size_t skin, std::size_t joint) const {
+  return pose.world[slot(skins_[skin].nodes[joint])] * skins_[skin].inverse_bind[joint];
 }
 
 bool Rig::moves_mesh(std::size_t node, std::optional<std::size_t> skin) const {
@@ -159,7 +177,7 @@ bool Rig::moves_mesh(std::size_t node, std::optional<std::size_t> skin) const {
     const AnimatedProperty property = channel->target.property;
     if (property == AnimatedProperty::kWeights || property == AnimatedProperty::kWeight) return true;
   }
-  return skin ? moves_skins_[skin_slot(*skin)] : moves(node);
+  return skin ? moves_skins_[*skin] : moves(node);
 }
 
 const std::vector<double>& Rig::weights(const Pose& pose, std::size_t node) const {
@@ -203,15 +221,10 @@ Pose Rig::pose(double time, Side side, Scaling scaling) const {
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     const Model::Node& source = model_.nodes[nodes_[i]];
     pose.world[i] = source.matrix ? Affine::from_columns(*source.matrix) : transforms[i].matrix();
-    if (tree_.parent(nodes_[i]) == NodeTree::kNoParent) continue;
-    const std::size_t parent = slot(tree_.parent(nodes_[i]));
-    pose.world[i] = pose.world[parent] * pose.world[i];
-    pose.visible[i] = pose.visible[i] && pose.visible[parent];
-  }
-  for (const std::size_t skin : skin_slots_) {
-    std::vector<Affine>& joints = pose.joints.emplace_back();
-    for (std::size_t j = 0; j < skins_[skin].nodes.size(); ++j)
-      joints.push_back(pose.world[slot(skins_[skin].nodes[j])] * skins_[skin].inverse_bind[j]);
+    if (!between_.empty()) pose.world[i] = between_[i] * pose.world[i];
+    if (above_[i] == NodeTree::kNoParent) continue;
+    pose.world[i] = pose.world[above_[i]] * pose.world[i];
+    pose.visible[i] = pose.visible[i] && pose.visible[above_[i]];
   }
   return pose;
 }

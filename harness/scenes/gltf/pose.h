@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
@@ -19,12 +20,11 @@ struct Skin {
   std::vector<Affine> inverse_bind;
 };
 
-/// Everything that moves, at one time. Indexed by Rig::slot and Rig::skin_slot.
+/// Everything that moves, at one time. Indexed by Rig::slot.
 struct Pose {
   std::vector<Affine> world;
   std::vector<std::vector<double>> weights;  ///< of the morph targets of its mesh, where they are animated
-  std::vector<bool> visible;                 ///< the node and all above it
-  std::vector<std::vector<Affine>> joints;   ///< of each skin
+  std::vector<bool> visible;                 ///< the node and all above it that the rig has
 };
 
 /// What else than a matrix scales a node may be left out: cameras and lights follow only how it is turned.
@@ -37,24 +37,30 @@ class Rig {
   /// Of a whole file. `skins` is indexed as there; those that are not used may be empty.
   Rig(const Model& model, const NodeTree& tree, const Clip* clip, const std::vector<Skin>& skins);
 
-  /// What a mesh follows: its node, and its skin if there is one.
+  /// A node and all above it.
+  Rig chain(std::size_t node) const;
+
+  /// What a mesh follows: its node, and joints of a skin if it has one.
   struct Follows {
     std::size_t node;
     std::optional<std::size_t> skin;
+    std::span<const std::uint32_t> joints;
   };
-  /// What one mesh follows, or some of them together.
-  Rig part(std::size_t node, std::optional<std::size_t> skin) const;
+  /// What some meshes follow together, of a whole file: their nodes and joints, and those above that have
+  /// channels. What stands still between them is one map, so that it does not matter how deep a node is.
   Rig part(std::span<const Follows> meshes) const;
 
   /// The place of a node of the file in a pose.
   std::size_t slot(std::size_t node) const;
-  std::size_t skin_slot(std::size_t skin) const;
 
   /// What the clip does not animate, or everything without a clip, stands as in the file.
   Pose pose(double time, Side side = Side::kAfter, Scaling scaling = Scaling::kAsInFile) const;
 
   /// Of the morph targets of the mesh at a node; none: all are 0.
   const std::vector<double>& weights(const Pose& pose, std::size_t node) const;
+
+  /// What moves vertices with a joint of a skin.
+  Affine joint(const Pose& pose, std::size_t skin, std::size_t joint) const;
 
   /// Whether the clip moves a node or one above it; or the mesh at it, with that skin.
   bool moves(std::size_t node) const { return moves_[slot(node)]; }
@@ -68,7 +74,9 @@ class Rig {
   std::span<const Channel* const> channels_of(std::size_t node) const;
 
  private:
-  Rig(const Rig& whole, std::vector<std::size_t> nodes, std::vector<std::size_t> skins);
+  enum class Kind { kChain, kPart };
+  Rig(const Rig& whole, std::vector<std::size_t> nodes, Kind kind);
+  void sum_up_rests();
   std::size_t slot_of_rank(std::size_t rank) const;
   void add_channels(const Clip& clip);
   void find_what_moves();
@@ -77,12 +85,16 @@ class Rig {
   const Model& model_;
   const NodeTree& tree_;
   const std::vector<Skin>& skins_;
-  std::vector<std::size_t> nodes_;       ///< of the file, in the tree's order
-  std::vector<std::size_t> skin_slots_;  ///< which skins, ascending
+  std::vector<std::size_t> nodes_;  ///< of the file, in the tree's order
+  std::vector<std::size_t> above_;  ///< slot of the next node above that the rig has, or kNoParent
+  std::vector<Affine> between_;     ///< what stands still between a node and that; empty: nothing
   std::vector<const Channel*> channels_;
   std::vector<std::size_t> channel_ranks_;  ///< of the node that each moves
   std::vector<bool> moves_, blinks_;
-  std::vector<bool> moves_skins_;  ///< by skin slot
+  // Of a whole file: which skins move, and of each node the next above that has channels and what is between.
+  std::vector<bool> moves_skins_;
+  std::vector<std::size_t> anchors_;
+  std::vector<Affine> rests_;
 };
 
 }  // namespace stbvh::harness::gltf

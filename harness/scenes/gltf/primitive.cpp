@@ -77,6 +77,19 @@ void normalize_weights(Influences& influences) {
   }
 }
 
+/// From joints of the skin to those of them that have a weight.
+void number_used_joints(Influences& influences) {
+  std::vector<std::uint32_t>& used = influences.used;
+  for (std::size_t i = 0; i < influences.joints.size(); ++i) {
+    if (influences.weights[i] > 0) used.push_back(influences.joints[i]);
+  }
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  used.shrink_to_fit();
+  for (std::uint32_t& joint : influences.joints)
+    joint = static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), joint) - used.begin());
+}
+
 /// JOINTS_0, WEIGHTS_0 and further sets, side by side for each vertex. None: nothing is skinned.
 Influences read_influences(const Model& model, const Model::Primitive& source, std::size_t vertex_count) {
   std::vector<std::vector<std::uint32_t>> joints;
@@ -107,10 +120,7 @@ Influences read_influences(const Model& model, const Model::Primitive& source, s
     }
   }
   if (influences.per_vertex > 0) normalize_weights(influences);
-  for (std::size_t i = 0; i < influences.joints.size(); ++i) {
-    if (influences.weights[i] > 0)
-      influences.joint_count = std::max(influences.joint_count, std::size_t{influences.joints[i]} + 1);
-  }
+  number_used_joints(influences);
   return influences;
 }
 
@@ -153,21 +163,26 @@ struct Placement {
   const Geometry& geometry;
   std::vector<Morph> morphs;
   Affine world;
-  const std::vector<Affine>* joints;  ///< null: it has no skin
+  std::vector<Affine> joints;  ///< those that are used; none: it has no skin
 };
 
 Placement placement(const Primitive& primitive, const Rig& rig, const Pose& pose) {
-  const std::size_t slot = rig.slot(primitive.node);
-  return {*primitive.geometry, morphs(*primitive.geometry, rig.weights(pose, primitive.node)),
-          pose.world[slot] * primitive.instance,
-          primitive.skin ? &pose.joints[rig.skin_slot(*primitive.skin)] : nullptr};
+  const Geometry& geometry = *primitive.geometry;
+  Placement at{geometry,
+               morphs(geometry, rig.weights(pose, primitive.node)),
+               pose.world[rig.slot(primitive.node)] * primitive.instance,
+               {}};
+  if (!primitive.skin) return at;
+  for (const std::uint32_t joint : geometry.influences.used)
+    at.joints.push_back(rig.joint(pose, *primitive.skin, joint));
+  return at;
 }
 
 /// A vertex in world space.
 Vec3f place(const Placement& at, std::size_t vertex) {
   const Vec3 p = morphed(at.geometry, at.morphs, vertex);
-  return rounded(at.joints ? blended(at.geometry.influences, *at.joints, vertex).apply(p)
-                           : at.world.apply(p));
+  return rounded(!at.joints.empty() ? blended(at.geometry.influences, at.joints, vertex).apply(p)
+                                    : at.world.apply(p));
 }
 
 /// The element of that attribute for each instance; none where it is not there.
@@ -211,9 +226,9 @@ std::shared_ptr<const Geometry> read_geometry(const Model& model, const Model::P
 }
 
 void check_joints(const Geometry& geometry, const Skin& skin) {
-  if (geometry.influences.joint_count > skin.nodes.size()) {
-    fail("a vertex follows joint {} of a skin with {} joints", geometry.influences.joint_count - 1,
-         skin.nodes.size());
+  const std::vector<std::uint32_t>& used = geometry.influences.used;
+  if (!used.empty() && used.back() >= skin.nodes.size()) {
+    fail("a vertex follows joint {} of a skin with {} joints", used.back(), skin.nodes.size());
   }
 }
 

@@ -17,9 +17,9 @@ namespace stbvh::harness::gltf {
 /// How many joints move each vertex, and how much; the weights of a vertex sum to 1.
 struct Influences {
   std::size_t per_vertex = 0;
-  std::vector<std::uint32_t> joints;
+  std::vector<std::uint32_t> used;    ///< those joints of the skin that have a weight, ascending
+  std::vector<std::uint32_t> joints;  ///< places in `used`
   std::vector<double> weights;
-  std::size_t joint_count = 0;  ///< beyond the last that has a weight
 };
 
 /// Triangles and all that they are deformed by; the same for all nodes with the mesh.

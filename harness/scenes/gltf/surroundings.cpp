@@ -45,7 +45,7 @@ std::optional<View> view_of(const Affine& node) {
 /// Where a node has it in `pose`; where scales leave it no direction, as it is turned without them.
 std::optional<View> view_at(const Timeline& timeline, double fraction, const Pose& pose, std::size_t node) {
   if (const auto view = view_of(pose.world[timeline.rig().slot(node)])) return view;
-  const Rig rig = timeline.rig().part(node, std::nullopt);
+  const Rig rig = timeline.rig().chain(node);
   return view_of(timeline.part(rig).pose(fraction, Scaling::kNone).world[rig.slot(node)]);
 }
 
@@ -97,7 +97,7 @@ CameraNodes find_cameras(const Model& model, const std::vector<std::size_t>& nod
 /// The camera at `node` at `steps` times.
 std::vector<Camera> camera_path(const Timeline& timeline, std::size_t node, double vertical_fov,
                                 std::size_t steps, Vec3 middle_of_scene) {
-  const Rig rig = timeline.rig().part(node, std::nullopt);
+  const Rig rig = timeline.rig().chain(node);
   const Timeline own = timeline.part(rig);
   std::vector<Camera> path;
   for (std::size_t i = 0; i < steps; ++i) {
