@@ -403,6 +403,10 @@ TEST_F(GltfSceneTest, CamerasAndLightsAreTurnedWhateverScalesThem) {
   EXPECT_TRUE(load(d).directional_lights.empty());
   EXPECT_EQ(warnings, (Strings{"left out: a camera that does not look anywhere",
                                "left out, as their nodes' matrices give them no direction: 1 light"}));
+  for (const std::size_t node : {2u, 3u})
+    d.root["nodes"][node]["matrix"] = {1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+  expect_near(load(d).directional_lights.at(0).direction, {-1, 0, 0});
+  EXPECT_EQ(expect_one_warning(), "left out: a camera that has no up, or one along its view");
 }
 
 TEST_F(GltfSceneTest, CamerasAndLightsThatAreFarAway) {

@@ -33,20 +33,22 @@ std::optional<Vec3> direction(Vec3 v) {
 
 /// What looks or shines along -z of its node, with y up.
 struct View {
-  Vec3 forward, up;
+  Vec3 forward, up;  ///< no length: there is none
 };
 
 std::optional<View> view_of(const Affine& node) {
   const auto back = direction(column(node, 2)), up = direction(column(node, 1));
-  if (!back || !up) return std::nullopt;
-  return View{-*back, *up};
+  if (!back) return std::nullopt;
+  return View{-*back, up.value_or(Vec3())};
 }
 
-/// Where a node has it in `pose`; where scales leave it no direction, as it is turned without them.
+/// Where a node has it in `pose`; where scales take a direction away, as it is turned without them.
 std::optional<View> view_at(const Timeline& timeline, double fraction, const Pose& pose, std::size_t node) {
-  if (const auto view = view_of(pose.world[timeline.rig().slot(node)])) return view;
+  const auto view = view_of(pose.world[timeline.rig().slot(node)]);
+  if (view && length(view->up) > 0) return view;
   const Rig rig = timeline.rig().chain(node);
-  return view_of(timeline.part(rig).pose(fraction, Scaling::kNone).world[rig.slot(node)]);
+  const auto turned = view_of(timeline.part(rig).pose(fraction, Scaling::kNone).world[rig.slot(node)]);
+  return turned ? turned : view;
 }
 
 /// The middle of the scene's bounds.
