@@ -140,9 +140,9 @@ class Writer {
                          .target = normal(to_float(share < 1 ? from + (to - from) * share : to)),
                          .up = normal(moderate(c.up)),
                          .vertical_fov_degrees = c.vertical_fov_degrees};
-    if (!looks_somewhere(c) || !looks_somewhere(written) || !is_within_reach(from)) {
-      warn("The camera is not written: it does not look anywhere, or is too far away.");
-      return;
+    for (const Camera& camera : {c, written}) {
+      if (const std::string_view problem = problem_of(camera); !problem.empty())
+        return warn(fmt::format("The camera is not written: it {}.", problem));
     }
     if (is_tiny) line(fmt::format(R"(<Transform><AffineSpace scale="{0} {0} {0}"/>)", float{kTinyScale}));
     line(fmt::format(R"(<PerspectiveCamera name="default" from="{}" to="{}" up="{}" fov="{}"/>)",

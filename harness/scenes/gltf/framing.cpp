@@ -54,8 +54,7 @@ Camera looking(Vec3 position, Vec3 target) {
 }
 
 bool is_usable(const Camera& camera) {
-  return is_within_reach(to_double(camera.position)) && is_within_reach(to_double(camera.target)) &&
-         looks_somewhere(camera);
+  return is_within_reach(to_double(camera.target)) && problem_of(camera).empty();
 }
 
 /// At `target` from a place in the direction of `back`: as far away as that is long, or nearer so that it is
