@@ -122,11 +122,12 @@ bool keep_owner_and_mode(const OpenFile& file, const struct stat& before) {
 /// Into a file that cannot be replaced. Where there is no room it stays as it was.
 void write_in_place(const FileContent& file, const fs::path& target) {
   const OpenFile there(target, O_WRONLY);
+  if (!there.is_open()) fail(file.path, errno);
   off_t size = 0;
   for (const std::string_view part : file.parts) size += static_cast<off_t>(part.size());
   const bool is_full = size > 0 && fallocate(there.descriptor(), FALLOC_FL_KEEP_SIZE, 0, size) != 0 &&
                        (errno == ENOSPC || errno == EDQUOT || errno == EFBIG);
-  if (!there.is_open() || is_full || !there.write_all(file.parts) || ftruncate(there.descriptor(), size) != 0)
+  if (is_full || !there.write_all(file.parts) || ftruncate(there.descriptor(), size) != 0)
     fail(file.path, errno);
 }
 

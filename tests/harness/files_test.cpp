@@ -1,3 +1,4 @@
+#include <dlfcn.h>
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mount.h>
@@ -5,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -21,6 +23,28 @@
 #include "plugin/files/open_file.h"
 #include "plugin/files/output_file.h"
 #include "tests/harness/temporary_folder.h"
+
+namespace {
+
+bool has_nameless_files = true, can_name_files = true;  // the file system; the system, with a /proc
+
+}  // namespace
+
+/// Both stand before the system's.
+extern "C" int open(const char* path, int flags, ...) {
+  if (!has_nameless_files && (flags & O_TMPFILE) == O_TMPFILE) {
+    errno = EOPNOTSUPP;
+    return -1;
+  }
+  return openat(AT_FDCWD, path, flags, 0666);
+}
+extern "C" int linkat(int, const char* from, int, const char* to, int) noexcept {
+  using Link = int (*)(int, const char*, int, const char*, int);
+  static const auto link = reinterpret_cast<Link>(dlsym(RTLD_NEXT, "linkat"));
+  if (can_name_files) return link(AT_FDCWD, from, AT_FDCWD, to, AT_SYMLINK_FOLLOW);
+  errno = ENOENT;
+  return -1;
+}
 
 namespace stbvh::harness {
 namespace {
@@ -250,6 +274,26 @@ TEST_F(OutputFile, KeepsOwnerAndModeOfWhatItReplaces) {
   EXPECT_EQ(after.st_mode & 07777u, 0600u);
   EXPECT_EQ(after.st_uid, is_root ? 65534 : geteuid());
   EXPECT_EQ(after.st_gid, is_root ? 65533 : getegid());
+}
+
+TEST_F(OutputFile, IsWholeWhereFilesHaveNamesFromTheBeginning) {
+  const fs::path file = write("a", "one");
+  fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
+  for (bool* const can : {&has_nameless_files, &can_name_files}) {
+    *can = false;
+    check_writable(file);
+    write_file(file, "two");
+    check_writable(folder / "b");
+    write_file(folder / "b", "new");
+    write_file(folder / "b", std::string(1 << 20, 'b'));
+    EXPECT_THROW(write_file(folder / "none" / "b", "x"), OutputFileError);
+    *can = true;
+    EXPECT_EQ(read_file(file), "two");
+    EXPECT_EQ(read_file(folder / "b"), std::string(1 << 20, 'b'));
+    EXPECT_EQ(status_of(file).st_mode & 07777u, 0600u);
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 2);
+    fs::remove(folder / "b");
+  }
 }
 
 TEST_F(OutputFile, OpenFilesGetTheBytesBehindWhatTheyHave) {
