@@ -249,9 +249,19 @@ def earlier_file(path):
     return read_bytes(path) if is_replaced(target) and os.path.exists(target) else None
 
 
+def open_to_write(target):
+    """What there is; what this process has open goes on from where it stands."""
+    folder, name = os.path.split(target)
+    if os.path.realpath(folder) != os.path.realpath("/proc/self/fd") or not name.isdecimal():
+        return os.open(target, os.O_WRONLY | os.O_APPEND)
+    if sys.stdout:
+        sys.stdout.flush()
+    return os.dup(int(name))
+
+
 def write_whole(path, data):
-    """Writes bytes to a file, whole or not at all. A link stays a link; a device or pipe is written to directly, and at its end
-    what the program has open already.
+    """Writes bytes to a file, whole or not at all. A link stays a link; a device or pipe is written to directly, and so is what
+    the program has open already.
 
     As write_file() of plugin/files. Ends the script if it cannot.
     """
@@ -260,7 +270,7 @@ def write_whole(path, data):
             raise OSError(errno.EISDIR, os.strerror(errno.EISDIR))
         target = target_of(path)
         if not is_replaced(target):
-            with open(os.open(target, os.O_WRONLY | os.O_APPEND), "wb") as file:
+            with open(open_to_write(target), "wb") as file:
                 file.write(data)
             return
         partial = f"{target}.{os.getpid()}-{next(PARTIAL_NAMES)}.partial"

@@ -1,5 +1,8 @@
 #include "plugin/preload/statistics.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -7,9 +10,11 @@
 #include <cstdlib>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "plugin/files/open_file.h"
 #include "plugin/files/output_file.h"
 #include "plugin/preload/environment.h"
 
@@ -103,6 +108,15 @@ void report() {
   if (path.empty()) {
     std::fprintf(stderr, "libstbvh_preload: %s\n", text.c_str());
     return;
+  }
+  struct stat status {};
+  std::optional<OpenFile> pipe;  // stays open: who reads it would take the closing for its end
+  if (stat(path.c_str(), &status) == 0 && S_ISFIFO(status.st_mode)) {
+    pipe.emplace(path, O_WRONLY | O_NONBLOCK);
+    if (!pipe->is_open()) {  // the program would wait at its end
+      std::fprintf(stderr, "libstbvh_preload: the statistics: Nobody reads \"%s\".\n", path.c_str());
+      return;
+    }
   }
   try {
     write_file(path, text + '\n');

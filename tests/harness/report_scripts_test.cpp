@@ -77,13 +77,19 @@ TEST_F(ReportScripts, DevicesAndPipesAreWrittenToAndNotRead) {
   EXPECT_TRUE(fs::is_character_file(folder / "null") && fs::is_character_file(folder / "full"));
 }
 
-TEST_F(ReportScripts, WhatIsOpenAlreadyIsWrittenToAtItsEnd) {
+TEST_F(ReportScripts, WhatIsOpenAlreadyIsWrittenToWhereItStands) {
   for (const char* const name : {"/dev/stdout", "/proc/self/fd/1", "link"}) {
     if (!fs::exists(folder / "link")) fs::create_symlink("/dev/fd/1", folder / "link");
-    write("log", "old\n");
-    EXPECT_EQ(shell(fmt::format("{} results bench.json -o {} >>log", kProgram, name)).exit_code, 0);
-    const std::string log = read_file(folder / "log");
-    EXPECT_TRUE(log.starts_with("old\n" + std::string(kMarker))) << log;
+    for (const char* const redirection : {">", ">>"}) {
+      write("log", "");
+      EXPECT_EQ(shell(fmt::format("( echo old; {} results bench.json -o {}; echo new ) {}log", kProgram, name,
+                                  redirection))
+                    .exit_code,
+                0);
+      const std::string log = read_file(folder / "log");
+      EXPECT_TRUE(log.starts_with("old\n" + std::string(kMarker))) << log;
+      EXPECT_TRUE(log.ends_with(fmt::format("\n{}\nnew\n", name))) << log;
+    }
   }
 }
 

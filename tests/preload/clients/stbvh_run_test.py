@@ -256,10 +256,15 @@ class Embree(WithFolder):
         os.mkfifo(pipe)
         for options in ((), ("--statistics",), ("--ab",)):
             with self.subTest(options=options):
-                with subprocess.Popen(["cat", pipe], stdout=subprocess.PIPE, text=True) as reader:
+                with open(os.open(pipe, os.O_RDONLY | os.O_NONBLOCK), encoding="utf-8") as reader:
                     done = run("--json", pipe, *options, *self.pathtracer(self.folder / "o.ppm"))
                     self.assertEqual(done.returncode, 0, done.stderr)
-                    self.assertIn("meshes_taken_over", reader.communicate(timeout=60)[0])
+                    self.assertIn("meshes_taken_over", reader.read())
+        # A program does not wait at its end for somebody who reads.
+        done = run("--json", pipe, *self.pathtracer(self.folder / "o.ppm"))
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn(f'the statistics: Nobody reads "{pipe}".', done.stderr)
+        self.assertEqual(len(done.stderr.splitlines()), 1)
 
     def test_a_script_that_starts_one_is_judged_by_what_it_started(self):
         require_tools("pathtracer")
