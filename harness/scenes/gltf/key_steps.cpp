@@ -187,7 +187,9 @@ class KeyStepMaker {
       if (best.deviation <= tolerance) break;
       // A curve's distance from its chord falls with the square of the chord's length.
       const double guess = static_cast<double>(parts) * std::sqrt(best.deviation / tolerance);
-      parts = std::max(parts + 1, static_cast<std::size_t>(std::min(0.95 * guess, double{kMaxSteps})));
+      // By one at a time many parts would take a time that grows with their square.
+      const std::size_t least = parts + std::max<std::size_t>(1, parts / 32);
+      parts = std::max(least, static_cast<std::size_t>(std::min(0.95 * guess, double{kMaxSteps})));
       if (count + parts - 1 > kMaxSteps) {
         count += parts - 1;
         return best;
