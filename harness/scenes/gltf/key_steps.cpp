@@ -175,25 +175,44 @@ class KeyStepMaker {
     return fits;
   }
 
-  /// Adds its steps to `count`, and ends early where that is too many.
+  /// Of the fewest parts that keep within `tolerance`, or of all that floats tell apart. Adds its steps to
+  /// `count`, and ends early where that is too many.
   Fit fit(const Interval& interval, const VertexBuffer& from, const VertexBuffer& to, double tolerance,
           std::atomic<std::size_t>& count) const {
     Fit best;
+    bool is_found = false;
+    std::size_t too_few = 0, growth = 1;
+    std::optional<std::size_t> enough;  // or more than there are floats for
     for (std::size_t parts = 1; count <= kMaxSteps;) {
-      std::optional<std::vector<Step>> steps = steps_inside(interval, parts);
-      if (!steps) break;  // there are no more floats
-      best = {std::move(*steps), 0};
-      best.deviation = worst_deviation(interval, from, to, best.steps);
-      if (best.deviation <= tolerance) break;
+      if (std::optional<std::vector<Step>> steps = steps_inside(interval, parts)) {
+        Fit found{std::move(*steps), 0};
+        found.deviation = worst_deviation(interval, from, to, found.steps);
+        const bool is_enough = found.deviation <= tolerance;
+        if (is_enough || !is_found) best = std::move(found);
+        if (is_enough) {
+          is_found = true;
+          enough = parts;
+        } else {
+          too_few = parts;
+        }
+      } else {
+        enough = parts;
+      }
+      if (enough) {
+        if (*enough - too_few <= 1) break;
+        parts = too_few + (*enough - too_few) / 2;
+        continue;
+      }
       // A curve's distance from its chord falls with the square of the chord's length.
-      const double guess = static_cast<double>(parts) * std::sqrt(best.deviation / tolerance);
-      // By one at a time many parts would take a time that grows with their square.
-      const std::size_t least = parts + std::max<std::size_t>(1, parts / 32);
-      parts = std::max(least, static_cast<std::size_t>(std::min(0.95 * guess, double{kMaxSteps})));
-      if (count + parts - 1 > kMaxSteps) {
-        count += parts - 1;
+      const double guess = 0.95 * static_cast<double>(parts) * std::sqrt(best.deviation / tolerance);
+      const auto at_least = static_cast<std::size_t>(std::min(guess, double{kMaxSteps}));
+      const std::size_t most = kMaxSteps + 1 - std::min<std::size_t>(count, kMaxSteps + 1);
+      if (most <= too_few || at_least > most) {
+        count += std::max(parts, at_least);
         return best;
       }
+      parts = std::min(most, std::max(parts + growth, at_least));
+      growth *= 2;  // one more at a time would take a time that grows with the square of their number
     }
     count += best.steps.size();
     check_memory(count);

@@ -189,7 +189,7 @@ void add_lights(const Model& model, const Timeline& timeline, const std::vector<
   tell(moving, "standing still as when the shutter opens, although the animation moves or hides them");
   tell(with_range, "shown without their range");
   tell(far, "left out, as they are too far away");
-  tell(undirected, "left out, as their nodes' matrices give them no direction");
+  tell(undirected, "left out, as their nodes give them no direction");
 }
 
 }  // namespace
