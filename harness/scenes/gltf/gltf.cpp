@@ -205,7 +205,8 @@ std::vector<Motion> equidistant_steps(const std::vector<Part>& parts, const Time
   const std::vector<std::pair<std::pair<double, double>, std::vector<std::size_t>>> groups(moving.begin(),
                                                                                            moving.end());
   for_all(groups.size(), [&](std::size_t g) {
-    const auto& [interval, numbers] = groups[g];
+    const auto& interval = groups[g].first;
+    const std::vector<std::size_t>& numbers = groups[g].second;  // Clang 14 captures no structured bindings
     const Rig rig = rig_of(parts, numbers, timeline.rig());
     const Timeline own = timeline.part(rig, interval.first, interval.second);
     for_all(count, [&](std::size_t i) {
