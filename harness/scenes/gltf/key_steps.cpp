@@ -43,6 +43,8 @@ struct Step {
 struct Interval {
   float begin, end;  ///< of rays
   double clip_begin, clip_end;
+  const VertexBuffer *from, *to;  ///< at its ends
+  double deviation = 0;           ///< without steps between them
 
   double length() const { return static_cast<double>(end) - begin; }
   double fraction(float time) const { return (static_cast<double>(time) - begin) / length(); }
@@ -87,8 +89,9 @@ class KeyStepMaker {
       leave_out_every_second(knots);
       steps = knot_steps(knots);
     }
+    const std::vector<Interval> intervals = find_intervals(knots, steps);
     for (double tolerance = tolerance_;; tolerance *= kMoreTolerance) {
-      if (std::optional<std::vector<Fit>> fits = fit(knots, steps, tolerance))
+      if (std::optional<std::vector<Fit>> fits = fit(intervals, steps.size(), tolerance))
         return merged(knots, std::move(steps), std::move(*fits));
     }
   }
@@ -157,62 +160,69 @@ class KeyStepMaker {
     return steps;
   }
 
-  /// For each interval between knots; nothing where there would be more steps than a mesh can have.
-  std::optional<std::vector<Fit>> fit(const std::vector<Knot>& knots, const std::vector<Step>& steps,
-                                      double tolerance) const {
-    std::vector<Fit> fits(knots.size() - 1);
-    std::atomic<std::size_t> count = steps.size();
-    for_all(fits.size(), [&](std::size_t i) {
-      const Interval interval{knots[i].time, knots[i + 1].time, knots[i].after, knots[i + 1].before};
-      const auto at = [&](float time) {
-        return std::lower_bound(steps.begin(), steps.end(), time,
-                                [](const Step& step, float t) { return step.time < t; });
-      };
-      const auto from = at(interval.begin);
-      fits[i] = fit(interval, from->positions, std::next(from)->positions, tolerance, count);
+  /// Between knots. They point to `steps`.
+  std::vector<Interval> find_intervals(const std::vector<Knot>& knots, const std::vector<Step>& steps) const {
+    std::vector<Interval> intervals(knots.size() - 1);
+    for_all(intervals.size(), [&](std::size_t i) {
+      const auto from = std::lower_bound(steps.begin(), steps.end(), knots[i].time,
+                                         [](const Step& step, float time) { return step.time < time; });
+      intervals[i] = {knots[i].time,       knots[i + 1].time, knots[i].after,
+                      knots[i + 1].before, &from->positions,  &std::next(from)->positions};
+      intervals[i].deviation = worst_deviation(intervals[i], {});
     });
-    if (count > kMaxSteps) return std::nullopt;
+    return intervals;
+  }
+
+  /// For each interval; nothing where there would be more steps than a mesh can have, with `count` at knots.
+  std::optional<std::vector<Fit>> fit(const std::vector<Interval>& intervals, std::size_t count,
+                                      double tolerance) const {
+    std::vector<Fit> fits(intervals.size());
+    std::atomic<std::size_t> total = count;
+    for_all(fits.size(), [&](std::size_t i) { fits[i] = fit(intervals[i], tolerance, total); });
+    if (total > kMaxSteps) return std::nullopt;
     return fits;
   }
 
   /// Of the fewest parts that keep within `tolerance`, or of all that floats tell apart. Adds its steps to
   /// `count`, and ends early where that is too many.
-  Fit fit(const Interval& interval, const VertexBuffer& from, const VertexBuffer& to, double tolerance,
-          std::atomic<std::size_t>& count) const {
-    Fit best;
+  Fit fit(const Interval& interval, double tolerance, std::atomic<std::size_t>& count) const {
+    Fit best{{}, interval.deviation};
+    if (best.deviation <= tolerance) return best;
     bool is_found = false;
-    std::size_t too_few = 0, growth = 1;
+    std::size_t too_few = 1, growth = 1;
     std::optional<std::size_t> enough;  // or more than there are floats for
-    for (std::size_t parts = 1; count <= kMaxSteps;) {
-      if (std::optional<std::vector<Step>> steps = steps_inside(interval, parts)) {
-        Fit found{std::move(*steps), 0};
-        found.deviation = worst_deviation(interval, from, to, found.steps);
-        const bool is_enough = found.deviation <= tolerance;
-        if (is_enough || !is_found) best = std::move(found);
-        if (is_enough) {
-          is_found = true;
-          enough = parts;
-        } else {
-          too_few = parts;
-        }
-      } else {
-        enough = parts;
-      }
+    while (count <= kMaxSteps) {
+      std::size_t parts = 0;
       if (enough) {
         if (*enough - too_few <= 1) break;
         parts = too_few + (*enough - too_few) / 2;
+      } else {
+        // A curve's distance from its chord falls with the square of the chord's length.
+        const double guess = 0.95 * static_cast<double>(too_few) * std::sqrt(best.deviation / tolerance);
+        const auto at_least = static_cast<std::size_t>(std::min(guess, double{kMaxSteps}));
+        const std::size_t most = kMaxSteps + 1 - std::min<std::size_t>(count, kMaxSteps + 1);
+        if (most <= too_few || at_least > most) {
+          count += std::max(too_few, at_least);
+          return best;
+        }
+        parts = std::min(most, std::max(too_few + growth, at_least));
+        growth *= 2;  // one more at a time would take a time that grows with the square of their number
+      }
+      std::optional<std::vector<Step>> steps = steps_inside(interval, parts);
+      if (!steps) {
+        enough = parts;
         continue;
       }
-      // A curve's distance from its chord falls with the square of the chord's length.
-      const double guess = 0.95 * static_cast<double>(parts) * std::sqrt(best.deviation / tolerance);
-      const auto at_least = static_cast<std::size_t>(std::min(guess, double{kMaxSteps}));
-      const std::size_t most = kMaxSteps + 1 - std::min<std::size_t>(count, kMaxSteps + 1);
-      if (most <= too_few || at_least > most) {
-        count += std::max(parts, at_least);
-        return best;
+      Fit found{std::move(*steps), 0};
+      found.deviation = worst_deviation(interval, found.steps);
+      const bool is_enough = found.deviation <= tolerance;
+      if (is_enough) {
+        enough = parts;
+      } else {
+        too_few = parts;
       }
-      parts = std::min(most, std::max(parts + growth, at_least));
-      growth *= 2;  // one more at a time would take a time that grows with the square of their number
+      if (is_enough || !is_found) best = std::move(found);
+      is_found = is_found || is_enough;
     }
     count += best.steps.size();
     check_memory(count);
@@ -237,8 +247,7 @@ class KeyStepMaker {
     return steps;
   }
 
-  double worst_deviation(const Interval& interval, const VertexBuffer& from, const VertexBuffer& to,
-                         const std::vector<Step>& inside) const {
+  double worst_deviation(const Interval& interval, const std::vector<Step>& inside) const {
     const std::size_t parts_of_step = inside.empty() ? kPartsOfInterval : kPartsOfStep;
     const std::size_t looks = parts_of_step - 1;
     std::vector<double> worst((inside.size() + 1) * looks);
@@ -248,8 +257,8 @@ class KeyStepMaker {
       const double begin = part == 0 ? 0 : interval.fraction(inside[part - 1].time);
       const double end = part == inside.size() ? 1 : interval.fraction(inside[part].time);
       const VertexBuffer truth = positions(interval.clip_time(begin + f * (end - begin)), Side::kAfter);
-      worst[i] = deviation(part == 0 ? from : inside[part - 1].positions,
-                           part == inside.size() ? to : inside[part].positions, f, truth);
+      worst[i] = deviation(part == 0 ? *interval.from : inside[part - 1].positions,
+                           part == inside.size() ? *interval.to : inside[part].positions, f, truth);
     });
     return *std::max_element(worst.begin(), worst.end());
   }
