@@ -100,8 +100,8 @@ class Writer {
     in_text_ = scene.buffer_bytes() <= kMostTextBytes;
   }
 
-  /// One that can be read again: not what Embree cannot show, and nothing where that is all.
-
+  /// What can be read again: not the meshes that Embree cannot show. Throws SceneFileError where these are
+  /// all.
   EmbreeXml write() {
     line("<?xml version=\"1.0\"?>\n<scene>");
     camera();

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <utility>
 
+#include "harness/files/text.h"
+
 namespace stbvh::harness::gltf {
 namespace {
 
@@ -37,13 +39,6 @@ constexpr std::array<std::uint8_t, 256> base64_digits() {
   return digits;
 }
 
-constexpr std::string_view kBlanks = " \t\r\n\f";
-
-std::string_view trimmed(std::string_view text) {
-  const std::size_t first = std::min(text.find_first_not_of(kBlanks), text.size());
-  return text.substr(first, text.find_last_not_of(kBlanks) + 1 - first);
-}
-
 /// Where `mark` is for the first time outside quotes; npos if it is not.
 std::size_t find_unquoted(std::string_view text, char mark) {
   bool is_quoted = false;
@@ -56,7 +51,8 @@ std::size_t find_unquoted(std::string_view text, char mark) {
 
 std::optional<std::vector<unsigned char>> decode_base64(std::string text) {
   static constexpr std::array<std::uint8_t, 256> kDigits = base64_digits();
-  std::erase_if(text, [](char c) { return kBlanks.find(c) != std::string_view::npos; });
+  constexpr std::string_view kAsciiWhitespace = " \t\r\n\f";
+  std::erase_if(text, [&](char c) { return kAsciiWhitespace.find(c) != std::string_view::npos; });
   for (int i = 0; i < 2 && text.ends_with('='); ++i) text.pop_back();
   if (text.size() % 4 == 1) return std::nullopt;
   std::vector<unsigned char> bytes;
@@ -111,7 +107,8 @@ std::optional<std::vector<unsigned char>> decode_data_uri(std::string_view uri) 
   for (std::size_t end = find_unquoted(parameters, ';'); end != std::string_view::npos;
        end = find_unquoted(parameters, ';')) {
     parameters.remove_prefix(end + 1);
-    const std::string_view parameter = trimmed(parameters.substr(0, find_unquoted(parameters, ';')));
+    const std::string_view parameter =
+        without_leading_blanks(without_trailing_blanks(parameters.substr(0, find_unquoted(parameters, ';'))));
     if (is_base64) return std::nullopt;  // which is the last
     is_base64 = is_same(parameter, kBase64);
     if (!is_base64 && is_same(parameter.substr(0, kBase64.size()), kBase64)) return std::nullopt;
